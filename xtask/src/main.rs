@@ -6,6 +6,7 @@ mod floors;
 mod instructions;
 mod manifest;
 mod mutants;
+mod names;
 mod packages;
 mod python;
 mod steps;
@@ -23,7 +24,7 @@ Usage: cargo xtask <TASK>
   test             everything a change must pass: format, lints, docs, floors, words, all tests
   check            the quick part of it: format, lints, floors, words
   floors           only the floors: which crate and which module may import which, and that no files need each other
-  words            only the words that no file may hold
+  words            only the words and names that no file may hold
   deep             all tests with fast code, the slow ones in full, instructions, and the wheel
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
   instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures

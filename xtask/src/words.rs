@@ -4,6 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::names;
+
 /// Places that exist on one machine only, and marks of work left undone.
 const BANNED: [&str; 8] = ["/home/", "/root/", "/Users/", "/work/", "TODO", "FIXME", "XXX", "HACK"];
 
@@ -48,15 +50,18 @@ const STILL_NEEDED: [(&str, &str); 12] = [
 /// # Errors
 /// The places found, one a line.
 pub fn check(root: &Path) -> Result<(), Vec<String>> {
-    let mut problems = Vec::new();
-    for path in tracked(root).map_err(|problem| vec![problem])? {
-        let name = path.to_string_lossy();
-        let text = std::fs::read_to_string(root.join(&path));
+    let read = |path: PathBuf| {
         // What is no UTF-8 is a picture or the like; what is gone was deleted but not yet committed.
-        let Ok(text) = text else { continue };
-        if !EXCEPT.contains(&&*name) {
-            problems.extend(banned_lines(&text).map(|(line, word)| format!("{name}:{line}: `{word}`")));
-            let retired = retired_lines(&text).filter(|(_, (word, _))| !is_needed(&name, word));
+        let text = std::fs::read_to_string(root.join(&path)).ok()?;
+        Some((path.to_string_lossy().into_owned(), text))
+    };
+    let files: Vec<(String, String)> =
+        tracked(root).map_err(|problem| vec![problem])?.into_iter().filter_map(read).collect();
+    let mut problems = names::problems(files.iter().map(|(name, text)| (&**name, &**text)));
+    for (name, text) in &files {
+        if !EXCEPT.contains(&&**name) {
+            problems.extend(banned_lines(text).map(|(line, word)| format!("{name}:{line}: `{word}`")));
+            let retired = retired_lines(text).filter(|(_, (word, _))| !is_needed(name, word));
             let told =
                 |(line, (word, instead))| format!("{name}:{line}: `{word}` is retired, write {instead}");
             problems.extend(retired.map(told));
@@ -81,13 +86,13 @@ fn banned_lines(text: &str) -> impl Iterator<Item = (usize, &'static str)> {
 /// The lines with retired words, each with the word and what to write instead.
 fn retired_lines(text: &str) -> impl Iterator<Item = (usize, (&'static str, &'static str))> {
     text.lines().enumerate().flat_map(|(i, line)| {
-        let found = RETIRED.iter().filter(move |(word, _)| names(line).any(|name| is_form_of(name, word)));
+        let found = RETIRED.iter().filter(move |(word, _)| words_of(line).any(|name| is_form_of(name, word)));
         found.map(move |&retired| (i + 1, retired))
     })
 }
 
 /// The words of a line, those of `snake_case` and `CamelCase` names one by one.
-fn names(line: &str) -> impl Iterator<Item = &str> {
+fn words_of(line: &str) -> impl Iterator<Item = &str> {
     line.split(|c: char| !c.is_alphabetic()).flat_map(|name| {
         let humps = name
             .char_indices()

@@ -50,7 +50,7 @@ pub use kajo_bvh::BuildSettings;
 /// ```
 /// use kajo_color::{Emission, Reflectance};
 /// use kajo_core::builder::{SceneBuilder, SceneError};
-/// use kajo_core::camera::{Frame, PerspectiveCamera};
+/// use kajo_core::camera::{CameraFrame, PerspectiveCamera};
 /// use kajo_core::emission::SurfaceEmission;
 /// use kajo_core::ids::PoseId;
 /// use kajo_core::material::Matte;
@@ -70,7 +70,7 @@ pub use kajo_bvh::BuildSettings;
 /// let above = scene.transform(&DAffine3::from_translation(DVec3::new(0.0, 4.0, 0.0)))?;
 /// scene.object(ball, warm, above)?;
 ///
-/// let frame = Frame::new(DVec3::new(0.0, 2.0, 9.0), DVec3::new(0.0, -0.1, -1.0), DVec3::Y);
+/// let frame = CameraFrame::new(DVec3::new(0.0, 2.0, 9.0), DVec3::new(0.0, -0.1, -1.0), DVec3::Y);
 /// scene.camera(PerspectiveCamera::new(frame, 0.6))?;
 /// let scene = scene.finish(Settings { size: Some([64, 48]), ..Settings::default() })?;
 /// assert_eq!(scene.geometry.primitives.len(), 3);

@@ -77,7 +77,7 @@ impl SurfaceEmission {
         self
     }
 
-    /// The light of which a share is left at each place; `None` where there are too many textures.
+    /// The light of which a share is left at each position; `None` where there are too many textures.
     ///
     /// * `opacity`: that share, which the opacity at the corners of a mesh is another factor of
     pub fn weakened(self, opacity: FloatTexture, textures: &mut Textures) -> Option<SurfaceEmission> {
@@ -163,7 +163,7 @@ pub struct Leaving {
     pub d: Option<Vec3>,
 }
 
-/// The radiance of a surface, place by place.
+/// The radiance of a surface, position by position.
 #[derive(Clone, Debug)]
 pub struct VariedEmission {
     terms: Vec<EmissionTerm>,
@@ -222,7 +222,7 @@ impl VariedEmission {
         VariedEmission { terms, needs_uv, detail }
     }
 
-    /// The radiance at a place.
+    /// The radiance at a position.
     ///
     /// * `at`: surface coordinates are of effect where [`VariedEmission::needs_uv`]
     pub fn at(
@@ -253,7 +253,7 @@ impl VariedEmission {
         self.needs_uv
     }
 
-    /// The light of a surface whose places are all alike and each the mean of these, of pictures the mean of all their
+    /// The light of a surface whose positions are all alike and each the mean of these, of pictures the mean of all their
     /// texels.
     pub fn mean(&self, textures: &Textures) -> Emission {
         let sum = self.terms.iter().map(|term| term.mean(textures));

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! so that its middle looks along -z, as the pictures of a `PanoramaCamera` do. Between the middles of pixels colours are
-//! blended linearly. A direction is drawn by drawing a place of the picture, with a density in proportion to luminance times
+//! blended linearly. A direction is drawn by drawing a position of the picture, with a density in proportion to luminance times
 //! `sin theta`, where `theta = pi v`; per solid angle that density is
 //!
 //! ```text
@@ -25,11 +25,11 @@ use kajo_image::Image;
 use kajo_math::bilinear::Bilinear2D;
 use kajo_math::{Vec2, Vec3, fmath};
 
-/// Part of the mean brightness of the picture and of its row that every place counts with at least, so that no light is left
+/// Part of the mean brightness of the picture and of its row that every position counts with at least, so that no light is left
 /// undrawn, not even beside a sun that is brighter than single precision can tell from the sky.
 const LEAST_SHARE: f32 = 1e-3;
 
-/// The direction that a place of a picture shows, of unit length.
+/// The direction that a position of a picture shows, of unit length.
 ///
 /// * `uv`: in [0, 1]², with (0, 0) at the top left
 #[inline]
@@ -39,7 +39,7 @@ pub fn direction_of(uv: Vec2) -> Vec3 {
     Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
 }
 
-/// The place of a picture that shows the direction `d`, not necessarily of unit length; in [0, 1]².
+/// The position of a picture that shows the direction `d`, not necessarily of unit length; in [0, 1]².
 #[inline]
 pub fn uv_of(d: Vec3) -> Vec2 {
     let horizontal = (d.x * d.x + d.z * d.z).sqrt();
@@ -47,7 +47,7 @@ pub fn uv_of(d: Vec3) -> Vec2 {
     Vec2::new(u, FRAC_1_PI * fmath::atan2(horizontal, d.y))
 }
 
-/// A place turned around by a share of the full circle; its x stays in [0, 1).
+/// A position turned around by a share of the full circle; its x stays in [0, 1).
 #[inline]
 fn turned(uv: Vec2, by: f32) -> Vec2 {
     let x = uv.x + by;
@@ -146,7 +146,7 @@ fn mean_luminance(pixels: &[Vec3], width: usize) -> f32 {
     (sum / weights) as f32
 }
 
-/// A density over directions that is bilinear between the places of a grid of longitudes and latitudes.
+/// A density over directions that is bilinear between the positions of a grid of longitudes and latitudes.
 #[derive(Clone, Debug)]
 pub struct SphereDensity {
     /// Its columns and rows of nodes are the middles of pixels. The first column is there again at the end, and before and

@@ -46,4 +46,4 @@ pub use item_buffer::ItemBuffer;
 pub use motion::{MovingTransform, Shutter};
 pub use nested::{ElementContent, NestedElement};
 pub use objects::{Object, Objects};
-pub use scene::{Event, Interaction, Scene};
+pub use scene::{Interaction, RayEvent, Scene};

@@ -31,7 +31,7 @@ use crate::nested::Leaf;
 use crate::settings::{IntegratorName, Rules, Settings};
 use crate::shape::ShapeId;
 
-pub use event::{Event, Interaction};
+pub use event::{Interaction, RayEvent};
 pub use extent::Extent;
 pub use fitted::{Fitted, FittedCamera};
 pub use geometry::{Geometry, Primitive};

@@ -69,7 +69,7 @@ impl Tree {
         let placed = Placed::default();
         let operations = match placed.moved(movement) {
             Some(placed) => {
-                placed.pieces(&Placed::default()).map(|(_, piece)| piece).collect::<Vec<_>>().join("  ")
+                placed.changed(&Placed::default()).map(|(_, piece)| piece).collect::<Vec<_>>().join("  ")
             }
             None => self.matrix(&movement.map()),
         };
@@ -174,11 +174,11 @@ impl Tree {
         new: &Placed,
     ) -> Result<Vec<TextEdit>, EditRefused> {
         if operations.is_empty() {
-            let pieces: Vec<String> = new.pieces(old).map(|(_, piece)| piece).collect();
+            let pieces: Vec<String> = new.changed(old).map(|(_, piece)| piece).collect();
             return self.insert_operation(node, Where::First, &pieces.join("  "));
         }
         let mut edits = Vec::new();
-        for (part, piece) in new.pieces(old) {
+        for (part, piece) in new.changed(old) {
             let (present, place) = match part {
                 Part::Translation => (old.translate_at, Where::First),
                 Part::Turn => (old.turn_at.filter(|_| new.extends_turn), Where::AfterTranslation),
@@ -343,7 +343,7 @@ impl Placed {
     }
 
     /// The operations that differ from those of `old`, as they are written.
-    fn pieces(&self, old: &Placed) -> impl Iterator<Item = (Part, String)> {
+    fn changed(&self, old: &Placed) -> impl Iterator<Item = (Part, String)> {
         let translation = (self.translation.distance(old.translation) > 1e-12 * self.translation.length())
             .then(|| (Part::Translation, format!("Translate {}", vector(self.translation).text())));
         let turn = self.first_turn.filter(|_| self.first_turn != old.first_turn).map(|(axis, degrees)| {

@@ -25,14 +25,14 @@ use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
 
 /// A place and a moment in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
+pub struct SpacetimeEvent {
     /// The moment, in the time in which light goes one unit of length.
     pub t: f64,
     /// The place.
     pub x: DVec3,
 }
 
-impl Event {
+impl SpacetimeEvent {
     fn vector(self) -> DVec4 {
         self.x.extend(self.t)
     }
@@ -55,7 +55,7 @@ impl FrameMap {
     /// The event `pivot` keeps its place, and its time there is 0: the origin of what moves is at that place at that moment.
     ///
     /// * `velocity`: as a fraction of the speed of light; `None` unless it is less than 1 long, and finite
-    pub fn boost(velocity: DVec3, pivot: Event) -> Option<FrameMap> {
+    pub fn boost(velocity: DVec3, pivot: SpacetimeEvent) -> Option<FrameMap> {
         let v2 = velocity.length_squared();
         let gamma = 1.0 / (1.0 - v2).sqrt();
         if !(v2 < 1.0 && gamma.is_finite()) {
@@ -94,9 +94,9 @@ impl FrameMap {
 
     /// The coordinates of an event.
     #[inline]
-    pub fn event(&self, event: Event) -> Event {
+    pub fn event(&self, event: SpacetimeEvent) -> SpacetimeEvent {
         let image = self.lorentz * event.vector() + self.shift;
-        Event { t: image.w, x: image.truncate() }
+        SpacetimeEvent { t: image.w, x: image.truncate() }
     }
 
     /// The direction in which light is seen in the second frame that in the first one arrives from `d`, times the ratio of its
@@ -112,9 +112,9 @@ impl FrameMap {
 
     /// What is between the origins of two frames that move alike, in the coordinates of both: place and time of the second map's
     /// less those of this one's. `None` for frames that do not.
-    pub fn offset(&self, other: &FrameMap) -> Option<Event> {
+    pub fn offset(&self, other: &FrameMap) -> Option<SpacetimeEvent> {
         let shift = other.shift - self.shift;
-        (self.lorentz == other.lorentz).then_some(Event { t: shift.w, x: shift.truncate() })
+        (self.lorentz == other.lorentz).then_some(SpacetimeEvent { t: shift.w, x: shift.truncate() })
     }
 
     /// The velocity of the second frame in the first.
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const ORIGIN: Event = Event { t: 0.0, x: DVec3::ZERO };
+    const ORIGIN: SpacetimeEvent = SpacetimeEvent { t: 0.0, x: DVec3::ZERO };
 
     fn boost(v: DVec3) -> FrameMap {
         FrameMap::boost(v, ORIGIN).unwrap()
@@ -162,11 +162,12 @@ mod tests {
             .prop_map(|(v, speed)| speed * DVec3::from(v).try_normalize().unwrap_or(DVec3::X))
     }
 
-    fn event() -> impl Strategy<Value = Event> {
-        prop::array::uniform4(-10.0..10.0f64).prop_map(|[t, x, y, z]| Event { t, x: DVec3::new(x, y, z) })
+    fn event() -> impl Strategy<Value = SpacetimeEvent> {
+        prop::array::uniform4(-10.0..10.0f64)
+            .prop_map(|[t, x, y, z]| SpacetimeEvent { t, x: DVec3::new(x, y, z) })
     }
 
-    fn distance(a: Event, b: Event) -> f64 {
+    fn distance(a: SpacetimeEvent, b: SpacetimeEvent) -> f64 {
         (a.vector() - b.vector()).abs().max_element()
     }
 
@@ -184,7 +185,7 @@ mod tests {
         #[test]
         fn intervals_are_kept(v in velocity(), w in velocity(), pivot in event(), a in event(), b in event()) {
             let map = FrameMap::boost(w, pivot).unwrap().after(&boost(v));
-            let interval = |a: Event, b: Event| a.x.distance_squared(b.x) - (a.t - b.t).powi(2);
+            let interval = |a: SpacetimeEvent, b: SpacetimeEvent| a.x.distance_squared(b.x) - (a.t - b.t).powi(2);
             let (before, after) = (interval(a, b), interval(map.event(a), map.event(b)));
             prop_assert!((before - after).abs() < 1e-12 * 1e3 * map.gamma().powi(2), "{before} {after}");
         }
@@ -193,7 +194,7 @@ mod tests {
         fn light_stays_light_and_rays_keep_their_parameter(v in velocity(), e in event(), d in velocity(), s in 0.0..20.0f64) {
             let map = FrameMap::boost(v, e).unwrap();
             let image = map.light(d);
-            let along = |e: Event, d: DVec3| Event { t: e.t - s * d.length(), x: e.x + s * d };
+            let along = |e: SpacetimeEvent, d: DVec3| SpacetimeEvent { t: e.t - s * d.length(), x: e.x + s * d };
             let off = distance(map.event(along(e, d)), along(map.event(e), image));
             prop_assert!(off < 1e-12 * 100.0 * map.gamma(), "{}", off);
         }
@@ -203,7 +204,7 @@ mod tests {
             let map = FrameMap::boost(v, ORIGIN).unwrap();
             let now = map.snapshot(t);
             let place = now.transform_point3(x.x);
-            let off = map.event(Event { t, x: place }).x.distance(x.x);
+            let off = map.event(SpacetimeEvent { t, x: place }).x.distance(x.x);
             prop_assert!(off < 1e-12 * 100.0 * map.gamma(), "{}", off);
             let first = map.snapshot(0.0).transform_point3(x.x);
             prop_assert!(first.distance(place - t * v) < 1e-11);
@@ -214,9 +215,9 @@ mod tests {
 
     #[test]
     fn the_pivot_keeps_its_place_and_starts_the_clock() {
-        let pivot = Event { t: 3.0, x: DVec3::new(1.0, -2.0, 5.0) };
+        let pivot = SpacetimeEvent { t: 3.0, x: DVec3::new(1.0, -2.0, 5.0) };
         let image = FrameMap::boost(DVec3::new(0.3, 0.1, -0.7), pivot).unwrap().event(pivot);
-        assert!(distance(image, Event { t: 0.0, ..pivot }) < 1e-14);
+        assert!(distance(image, SpacetimeEvent { t: 0.0, ..pivot }) < 1e-14);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What an integrator works with while it takes a sample: one [`SampleContext`] for each thread.
 //!
 //! The context hands in the random numbers of the sample and takes what is more than the sample's own
-//! value: the count of rays, values of rare layers, and splats. A *splat* is light for any place of the
+//! value: the count of rays, values of rare layers, and splats. A *splat* is light for any position of the
 //! picture, as light tracing and bidirectional methods find it. With `S` samples in all over a picture of
 //! `P` pixels, the splats add to pixel `j`
 //!
@@ -136,7 +136,7 @@ pub struct Auxiliary {
     pub lights: [[f32; 3]; MAX_LIGHT_GROUPS],
 }
 
-/// Light for one place of the picture.
+/// Light for one position of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Position in pixels from the picture's top left corner.
@@ -145,12 +145,12 @@ pub struct Splat {
     pub value: [f32; 3],
 }
 
-/// Light for any places of the picture, collected until a unit of work is done.
+/// Light for any positions of the picture, collected until a unit of work is done.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Splats(Vec<Splat>);
 
 impl Splats {
-    /// Adds light at a place of the film; outside of the picture it is lost.
+    /// Adds light at a position of the film; outside of the picture it is lost.
     ///
     /// * `raster`: in pixels from the top left corner
     /// * `value`: linear RGB, such that the mean over all samples of the sum of their splats is the mean

@@ -1,6 +1,6 @@
 //! Film, integrators and the schedule of kajo.
 //!
-//! An integrator turns a place on the film into radiance ([`PixelIntegrator`]); [`render`] calls it for
+//! An integrator turns a position on the film into radiance ([`PixelIntegrator`]); [`render`] calls it for
 //! every sample of every tile on all cores; a [`Film`] sums the samples exactly and develops them into
 //! pictures.
 

@@ -58,7 +58,7 @@ impl Neg for Step {
     }
 }
 
-/// Column and row of place `index` on the curve through `columns × rows` cells.
+/// Column and row of position `index` on the curve through `columns × rows` cells.
 ///
 /// `index` is less than their number, which is at most 2^62; the work is proportional to the logarithm of that.
 pub fn cell(index: u64, columns: u32, rows: u32) -> (u32, u32) {

@@ -33,7 +33,7 @@ pub trait PixelIntegrator: Sync {
     /// Casts one camera ray.
     ///
     /// * `ctx`: the random numbers of this sample; every ray cast, the camera's included, is counted there,
-    ///   and light for other places of the picture is added to its splats
+    ///   and light for other positions of the picture is added to its splats
     /// * `pixel`: the pixel that asks, counted from the top left one
     /// * `raster`: position on the film in pixels; (0, 0) is the top left corner of the picture. It may lie
     ///   beside `pixel`: a regular grid of a number that is no square hangs over.

@@ -194,7 +194,7 @@ pub enum RenderError {
         .failed.len(), .failed[0].unit.tile.x0, .failed[0].unit.tile.y0, .failed[0].message
     )]
     Panicked {
-        /// At least one unit, sorted by place.
+        /// At least one unit, sorted by position.
         failed: Vec<FailedUnit>,
         /// What the render took.
         stats: RenderStats,

@@ -9,7 +9,7 @@
 
 use kajo_core::Pooled;
 use kajo_core::light::{AreaLight, LightId, SkyLight};
-use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_core::scene::{Interaction, RayEvent, Scene};
 use kajo_math::{Ray, Vec3};
 
 use crate::RayCounters;
@@ -339,7 +339,7 @@ impl PathObserver for Trail {
     ) {
         let light = light();
         let in_the_way = match scene.trace(ray) {
-            Event::Surface(at) if light == [0.0; 3] => Some((TrailHit::of(scene, &at), at.hit.t)),
+            RayEvent::Surface(at) if light == [0.0; 3] => Some((TrailHit::of(scene, &at), at.hit.t)),
             _ => None,
         };
         let segment = self.push(kind, scene, ray, in_the_way, about()).or(self.position.segment);
@@ -388,7 +388,7 @@ impl TrailHit {
 #[cfg(test)]
 mod tests {
     use kajo_core::builder::SceneBuilder;
-    use kajo_core::camera::{Frame, PerspectiveCamera};
+    use kajo_core::camera::{CameraFrame, PerspectiveCamera};
     use kajo_core::settings::Settings;
     use kajo_math::DVec3;
 
@@ -396,7 +396,7 @@ mod tests {
 
     fn nothing() -> Scene {
         let mut scene = SceneBuilder::default();
-        let frame = Frame::new(9.0 * DVec3::Z, DVec3::NEG_Z, DVec3::Y);
+        let frame = CameraFrame::new(9.0 * DVec3::Z, DVec3::NEG_Z, DVec3::Y);
         scene.camera(PerspectiveCamera::new(frame, 0.5)).expect("a camera");
         scene.finish(Settings::default()).expect("a scene")
     }

@@ -21,7 +21,7 @@ fn through(camera: &str) -> Window {
     window
 }
 
-fn places(window: &mut Window, p: DVec3) -> Vec<DVec2> {
+fn positions(window: &mut Window, p: DVec3) -> Vec<DVec2> {
     let size = window.app().area().unwrap().size;
     window.studio().camera.projections(p, size).into_iter().flatten().collect()
 }
@@ -39,11 +39,11 @@ const CAMERAS: [(&str, usize); 6] = [
 fn clicks_and_debug_rays_find_what_the_preview_shows() {
     for (camera, eyes) in CAMERAS {
         let mut window = through(camera);
-        let seen = places(&mut window, ON_BALL);
+        let seen = positions(&mut window, ON_BALL);
         assert_eq!(seen.len(), eyes, "{camera}");
         for eye in 0..eyes {
             window.wait(|studio| studio.sight_is_current());
-            let place = places(&mut window, ON_BALL)[eye];
+            let place = positions(&mut window, ON_BALL)[eye];
             assert_eq!(window.studio().sight().unwrap().object(place), 1, "{camera}: drawn at {place}");
             let at = window.app().area().unwrap().point(place);
             window.click(at);
@@ -68,7 +68,7 @@ fn handles_follow_the_pointer_in_every_picture() {
             let mut window = through(camera);
             window.select("ball");
             window.wait(|studio| studio.sight_is_current());
-            let from = places(&mut window, DVec3::new(-2.0, 1.0, 0.0))[eye];
+            let from = positions(&mut window, DVec3::new(-2.0, 1.0, 0.0))[eye];
             let area = window.app().area().unwrap();
             // A few pixels are much in the small faces of a cube.
             let by = if camera.starts_with("StereoCubemap") { vec2(-4.0, -6.0) } else { vec2(-24.0, -15.0) };
@@ -77,7 +77,7 @@ fn handles_follow_the_pointer_in_every_picture() {
             let ball = document.outline().nodes().iter().find(|node| &*node.keyword == "Sphere").unwrap().id;
             let center = DVec3::from_array(document.value(ball, "center").unwrap().vec3().unwrap());
             assert!(center.x < -2.1 && center.y > 1.1, "{camera}: {center}");
-            let there = area.point(places(&mut window, center)[eye]);
+            let there = area.point(positions(&mut window, center)[eye]);
             let goal = area.point(from) + by;
             assert!(there.distance(goal) < 1.5, "{camera}: {there:?} {goal:?}");
         }

@@ -8,7 +8,7 @@ use std::error::Error;
 use std::f32::consts::TAU;
 use std::path::Path;
 
-use kajo::build::camera::{Frame, PerspectiveCamera};
+use kajo::build::camera::{CameraFrame, PerspectiveCamera};
 use kajo::build::material::{LayeredMaterial, Layers, Matte};
 use kajo::build::shape::{Plane, Sphere};
 use kajo::build::{Background, Emission, PoseId, Reflectance, SceneBuilder, SceneError, SurfaceEmission};
@@ -48,7 +48,7 @@ fn spiral() -> Result<Scene, SceneError> {
     let above = scene.transform(&DAffine3::from_translation(DVec3::new(0.0, 1.5, 0.0)))?;
     scene.object(ball, bulb, above)?;
 
-    let frame = Frame::new(DVec3::new(0.0, 8.0, 12.0), DVec3::new(0.0, -0.6, -1.0), DVec3::Y);
+    let frame = CameraFrame::new(DVec3::new(0.0, 8.0, 12.0), DVec3::new(0.0, -0.6, -1.0), DVec3::Y);
     scene.camera(PerspectiveCamera::new(frame, 45f64.to_radians()))?;
     scene.finish(Settings { size: Some([400, 300]), ..Settings::default() })
 }

@@ -12,7 +12,7 @@
 
 mod strokes;
 
-use kajo_core::camera::{Camera, Frame, OrthographicCamera, PerspectiveCamera, Raster, ThinLens};
+use kajo_core::camera::{Camera, CameraFrame, OrthographicCamera, PerspectiveCamera, Raster, ThinLens};
 use kajo_core::scene::Scene;
 use kajo_core::settings::Rules;
 use kajo_math::{Aabb, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Ray, Vec2, fmath};
@@ -74,13 +74,13 @@ impl CameraPose {
     ///
     /// * `angle`: vertical field of view in radians
     pub fn perspective(eye: DVec3, target: DVec3, up: DVec3, angle: f64) -> CameraPose {
-        let frame = Frame::new(eye, target - eye, up);
+        let frame = CameraFrame::new(eye, target - eye, up);
         CameraPose::new(Camera::Perspective(PerspectiveCamera::new(frame, angle)), up)
     }
 
     /// Parallel rays; `size` is the height of the picture in world units.
     pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, size: f64) -> CameraPose {
-        let frame = Frame::new(eye, target - eye, up);
+        let frame = CameraFrame::new(eye, target - eye, up);
         CameraPose::new(Camera::Orthographic(OrthographicCamera { frame, size, lens: None }), up)
     }
 
@@ -161,14 +161,14 @@ impl CameraPose {
 
     /// Moves the camera to `eye`, its axes unchanged.
     pub fn set_eye(&mut self, eye: DVec3) {
-        self.set_frame(Frame { center: eye, ..*self.still.frame() });
+        self.set_frame(CameraFrame { center: eye, ..*self.still.frame() });
     }
 
     /// Moves the camera along its own axes.
     ///
     /// * `by`: to the right, up and forward, in world units
     pub fn fly(&mut self, by: DVec3) {
-        let Frame { center, right, up, forward } = *self.still.frame();
+        let CameraFrame { center, right, up, forward } = *self.still.frame();
         self.set_eye(center + by.x * right + by.y * up + by.z * forward);
     }
 
@@ -177,7 +177,7 @@ impl CameraPose {
     /// * `right`, `up`: angles in radians
     pub fn turn(&mut self, right: f64, up: f64) {
         let forward = self.turned(self.forward(), right, up);
-        self.set_frame(Frame::new(self.eye(), forward, self.level));
+        self.set_frame(CameraFrame::new(self.eye(), forward, self.level));
     }
 
     /// Carries the camera around `center`, looking at the same place of it as before.
@@ -185,15 +185,15 @@ impl CameraPose {
     /// * `right`, `up`: angles in radians by which the camera moves around the centre
     pub fn orbit(&mut self, center: DVec3, right: f64, up: f64) {
         let forward = self.turned(self.forward(), -right, -up);
-        let turned = Frame::new(self.eye(), forward, self.level);
+        let turned = CameraFrame::new(self.eye(), forward, self.level);
         let arm = self.still.frame().local(center).unwrap_or(DVec3::ZERO);
         let eye = center - (arm.x * turned.right + arm.y * turned.up + arm.z * turned.forward);
-        self.set_frame(Frame { center: eye, ..turned });
+        self.set_frame(CameraFrame { center: eye, ..turned });
     }
 
     /// Looks at `target` from where it stands.
     pub fn look_at(&mut self, target: DVec3) {
-        self.set_frame(Frame::new(self.eye(), target - self.eye(), self.level));
+        self.set_frame(CameraFrame::new(self.eye(), target - self.eye(), self.level));
     }
 
     /// Moves the camera back or forth, its direction unchanged, until a box fills the picture; the picture of
@@ -256,7 +256,7 @@ impl CameraPose {
     pub fn projection(&self, size: [u32; 2], near: f64, far: f64) -> Option<DMat4> {
         let raster = self.raster(size);
         let aspect = f64::from(raster.aspect());
-        let Frame { center, right, up, forward } = *self.still.frame();
+        let CameraFrame { center, right, up, forward } = *self.still.frame();
         let axes = DMat3::from_cols(right, up, forward);
         if axes.determinant() == 0.0 {
             return None;
@@ -349,7 +349,7 @@ impl CameraPose {
         Raster { size, corner_samples: self.corner_samples, spans_width }
     }
 
-    fn set_frame(&mut self, frame: Frame) {
+    fn set_frame(&mut self, frame: CameraFrame) {
         self.set(self.still.clone().with_frame(frame));
     }
 
@@ -374,9 +374,9 @@ impl CameraPose {
 fn still(camera: &Camera) -> Camera {
     let Camera::Moving(moving) = camera else { return camera.clone() };
     let map = moving.map.map_at(0.0);
-    let Frame { center, right, up, forward } = *moving.camera.frame();
+    let CameraFrame { center, right, up, forward } = *moving.camera.frame();
     let [right, up, forward] = [right, up, forward].map(|axis| map.transform_vector3(axis));
-    moving.camera.clone().with_frame(Frame { center: map.transform_point3(center), right, up, forward })
+    moving.camera.clone().with_frame(CameraFrame { center: map.transform_point3(center), right, up, forward })
 }
 
 /// The turn by `angle` around a unit axis.

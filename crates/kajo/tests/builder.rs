@@ -3,8 +3,8 @@
 use std::error::Error;
 
 use kajo::build::bsdf::Phong;
-use kajo::build::camera::{Frame, PerspectiveCamera};
-use kajo::build::light::{Cone, DirectionalLight, PointLight, Sides, SpotLight};
+use kajo::build::camera::{CameraFrame, PerspectiveCamera};
+use kajo::build::light::{DirectionalLight, PointLight, Sides, SpotCone, SpotLight};
 use kajo::build::material::{
     Blend, Glass, GlassSettings, LayeredMaterial, Layers, Matte, Perforated, PhongMaterial,
 };
@@ -70,7 +70,8 @@ fn from_text() -> Scene {
 /// The same scene.
 fn by_program() -> Result<Scene, Box<dyn Error>> {
     let mut scene = SceneBuilder::default();
-    let frame = Frame::new(DVec3::new(0.0, 2.0, 9.0), DVec3::new(0.0, f64::from(-0.2f32), -1.0), DVec3::Y);
+    let frame =
+        CameraFrame::new(DVec3::new(0.0, 2.0, 9.0), DVec3::new(0.0, f64::from(-0.2f32), -1.0), DVec3::Y);
     scene.camera(PerspectiveCamera::new(frame, 40f64.to_radians()))?;
     scene.shutter(kajo::build::Shutter::new(0.0, 0.5))?;
     let [sky, key, warm] = ["sky", "key", "warm"].map(|name| scene.light_group(name));
@@ -82,7 +83,7 @@ fn by_program() -> Result<Scene, Box<dyn Error>> {
     scene.light_in(key?, PointLight::new(Vec3::new(2.0, 5.0, 4.0), light([30.0, 30.0, 20.0])))?;
     scene.light(DirectionalLight::new(Vec3::new(-1.0, -2.0, -1.0), light([0.5; 3])))?;
     let point = PointLight::new(Vec3::new(-4.0, 5.0, 2.0), light([20.0, 10.0, 5.0]));
-    let cone = Cone::new(0.5 * 30f32.to_radians(), 0.5 * 60f32.to_radians());
+    let cone = SpotCone::new(0.5 * 30f32.to_radians(), 0.5 * 60f32.to_radians());
     scene.light(SpotLight { point, axis: Vec3::new(1.0, -1.0, -0.5).normalize(), cone })?;
 
     let color = Reflectance::from_rgb;

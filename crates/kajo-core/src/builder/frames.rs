@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use kajo_bvh::BuildSettings;
 use kajo_math::DVec3;
-use kajo_math::lorentz::{Event, FrameMap};
+use kajo_math::lorentz::{FrameMap, SpacetimeEvent};
 
 use super::{SceneBuilder, SceneError, check_finite};
 use crate::ids::{FrameId, LightIndex, ObjectId};
@@ -72,14 +72,14 @@ impl Frames {
     }
 
     /// The frame of a map, and what the map's places and times are less those of the frame.
-    fn frame_of(&mut self, map: FrameMap) -> Result<(FrameId, Event), SceneError> {
+    fn frame_of(&mut self, map: FrameMap) -> Result<(FrameId, SpacetimeEvent), SceneError> {
         let known = self.ids().find_map(|id| Some((id, map.offset(&self.map(id))?)));
         if let Some(found) = known {
             return Ok(found);
         }
         let id = FrameId::new(self.others.len() + 1).ok_or(SceneError::TooManyFrames)?;
         self.others.push(map);
-        Ok((id, Event { t: 0.0, x: DVec3::ZERO }))
+        Ok((id, SpacetimeEvent { t: 0.0, x: DVec3::ZERO }))
     }
 
     /// What rays have to know; `None` where everything and the observer rest in the world.
@@ -130,7 +130,8 @@ impl SceneBuilder {
         if velocity == DVec3::ZERO {
             return Ok((self.frames.rest, DVec3::ZERO));
         }
-        let boost = FrameMap::boost(velocity, Event { t: epoch, x: pivot }).ok_or(SceneError::Velocity)?;
+        let boost =
+            FrameMap::boost(velocity, SpacetimeEvent { t: epoch, x: pivot }).ok_or(SceneError::Velocity)?;
         let map = boost.after(&self.frames.map(frame));
         if !(boost.gamma() <= MAX_GAMMA && map.gamma() <= MAX_GAMMA) {
             return Err(SceneError::Velocity);
@@ -145,7 +146,7 @@ impl SceneBuilder {
     /// [`SceneError::NotFinite`], [`SceneError::Velocity`].
     pub fn observe(&mut self, observer: Observer) -> Result<(), SceneError> {
         check_finite(observer.velocity.is_finite() && observer.time.is_finite(), "Observer")?;
-        let origin = Event { t: 0.0, x: DVec3::ZERO };
+        let origin = SpacetimeEvent { t: 0.0, x: DVec3::ZERO };
         let gamma = FrameMap::boost(observer.velocity, origin).map(|map| map.gamma());
         if gamma.is_none_or(|gamma| gamma > MAX_GAMMA) {
             return Err(SceneError::Velocity);

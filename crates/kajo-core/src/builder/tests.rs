@@ -4,11 +4,11 @@ use kajo_color::{Emission, Reflectance, Wavelengths};
 use kajo_math::{Affine3A, DAffine3, DVec3, Keyframes, Motion, Ray, Vec3};
 
 use super::*;
-use crate::camera::{Frame, OrthographicCamera, PerspectiveCamera};
+use crate::camera::{CameraFrame, OrthographicCamera, PerspectiveCamera};
 use crate::ids::{LightIndex, ObjectId, PoseId};
 use crate::light::{PointLight, Sides, SpotLight};
 use crate::material::{Blend, Embossed, Matte, Perforated, Relief};
-use crate::scene::Event;
+use crate::scene::RayEvent;
 use crate::shape::{Mesh, MeshData, Plane, Sphere};
 use crate::texture::{
     Channel, Checker, ColorTexture, FloatTexture, Marble, Picture, PictureChannel, PictureMap, Placed,
@@ -23,8 +23,8 @@ fn ball(radius: f32) -> Sphere {
     Sphere { center: Vec3::ZERO, radius }
 }
 
-fn frame() -> Frame {
-    Frame::new(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y)
+fn frame() -> CameraFrame {
+    CameraFrame::new(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y)
 }
 
 fn camera(angle: f64) -> PerspectiveCamera {
@@ -145,7 +145,7 @@ fn numbers_that_are_none_are_refused() {
         assert_eq!(scene.float_texture(marble), Err(no("Marble")));
         assert_eq!(scene.material(Matte::new(Reflectance::constant(0.5), bad)), Err(no("Matte")));
         assert_eq!(scene.light(point(bad)), Err(no("PointLight")));
-        let cone = crate::light::Cone { inner: 0.1, outer: bad };
+        let cone = crate::light::SpotCone { inner: 0.1, outer: bad };
         let spot = SpotLight { point: point(0.0), axis: Vec3::Y, cone };
         assert_eq!(scene.light(spot), Err(no("SpotLight")));
         let slide = PictureMap { factor: [1.0, bad, 1.0, 1.0], ..PictureMap::white() };
@@ -274,8 +274,8 @@ fn a_scene_has_what_was_pushed() {
     let names: Vec<_> = scene.output.cameras.iter().map(|camera| camera.name.as_deref()).collect();
     assert_eq!(names, [Some("front"), None]);
     let seen = |x: f32, y: f32| match scene.trace(&Ray::new(Vec3::new(x, y, 9.0), Vec3::NEG_Z)) {
-        Event::Surface(at) => Some((at.object.index(), at.material)),
-        Event::Escaped => None,
+        RayEvent::Surface(at) => Some((at.object.index(), at.material)),
+        RayEvent::Escaped => None,
     };
     assert_eq!([seen(3.0, 0.0), seen(0.0, 3.0)], [Some((1, grey)), Some((3, white))]);
     assert_eq!([seen(0.0, 6.0), seen(5.0, 5.0)], [Some((4, white)), None]);

@@ -1,6 +1,6 @@
 //! Fisheye pictures: half of all directions, or more, in a disk.
 //!
-//! A place at distance `r` from the middle of the picture, where 1 is the edge of the disk, sees at the
+//! A position at distance `r` from the middle of the picture, where 1 is the edge of the disk, sees at the
 //! angle `theta` from forward. With `T` half the field of view
 //!
 //! ```text
@@ -16,7 +16,7 @@
 
 use kajo_math::{Ray, Vec2, fmath};
 
-use super::Frame;
+use super::CameraFrame;
 
 /// How angles become distances from the middle of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl FisheyeProjection {
 #[derive(Clone, Copy, Debug)]
 pub struct FisheyeCamera {
     /// Position and axes.
-    pub frame: Frame,
+    pub frame: CameraFrame,
     /// Field of view across the disk in radians, up to [`FisheyeProjection::widest_angle`].
     pub angle: f64,
     /// The projection.
@@ -73,7 +73,7 @@ impl FisheyeCamera {
         if self.to_corners { (aspect * aspect + 1.0).sqrt() } else { 1.0 }
     }
 
-    /// The ray through a place of the picture, `None` outside of the disk; see [`super::Camera::ray`].
+    /// The ray through a position of the picture, `None` outside of the disk; see [`super::Camera::ray`].
     pub fn ray(&self, at: Vec2, aspect: f32) -> Option<Ray> {
         let aspect = f64::from(aspect);
         let radius = self.radius(aspect);
@@ -82,7 +82,7 @@ impl FisheyeCamera {
         if r > 1.0 {
             return None;
         }
-        let Frame { center, right, up, forward } = self.frame;
+        let CameraFrame { center, right, up, forward } = self.frame;
         let theta = self.projection.theta(r, 0.5 * self.angle);
         let outward = if r > 0.0 { (x * right + y * up) / r } else { right };
         let w = fmath::sin64(theta) * outward + fmath::cos64(theta) * forward;

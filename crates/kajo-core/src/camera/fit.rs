@@ -9,15 +9,15 @@
 //! ```
 //!
 //! so that all of them are where `s' x - a' <= min (s x - a)`, a support. Two edges opposite to each other give the largest
-//! `s'` of their direction, and the `a'` in the middle; the smaller of the two largest `s'` is the place. No search is
-//! needed, and the silhouette touches the edges exactly. How wide a picture from a given place has to be is the largest
+//! `s'` of their direction, and the `a'` in the middle; the smaller of the two largest `s'` is the position. No search is
+//! needed, and the silhouette touches the edges exactly. How wide a picture from a given position has to be is the largest
 //! `a / s`, found by Dinkelbach's iteration [Dinkelbach 1967]: `x <- a/s` of the point with the largest `a - x s`.
 //!
 //! A fisheye sees the ball around the box of the points, which fills its disk.
 
 use kajo_math::{DMat3, DVec3, fmath};
 
-use super::{Camera, Frame, OrthographicCamera, PerspectiveCamera};
+use super::{Camera, CameraFrame, OrthographicCamera, PerspectiveCamera};
 
 /// How near a camera comes to what it fits into its picture, as a share of its diameter.
 const NEAREST: f64 = 0.05;
@@ -82,7 +82,7 @@ impl Fit {
                     return Err(FitError::NoAngle);
                 }
                 let center = self.eye(&space, [height * self.aspect, height]);
-                Ok(Camera::Perspective(camera.clone().with_frame(Frame { center, ..*camera.frame() })))
+                Ok(Camera::Perspective(camera.clone().with_frame(CameraFrame { center, ..*camera.frame() })))
             }
             Camera::Orthographic(camera) => Ok(self.parallel(&space, camera, inside)),
             Camera::Fisheye(fisheye) => {
@@ -90,7 +90,7 @@ impl Fit {
                 let half = 0.5 * fisheye.angle;
                 let edge = inside * self.aspect.min(1.0) / fisheye.radius(self.aspect);
                 let theta = fisheye.projection.theta(edge.min(1.0), half);
-                let Frame { center, forward, .. } = fisheye.frame;
+                let CameraFrame { center, forward, .. } = fisheye.frame;
                 if self.freedom == Freedom::Opening {
                     return Err(FitError::NoAngle);
                 }
@@ -100,7 +100,7 @@ impl Fit {
                     Freedom::Distance => center + (middle - center).dot(forward) * forward,
                     _ => middle,
                 };
-                let frame = Frame { center: middle - distance * forward, ..fisheye.frame };
+                let frame = CameraFrame { center: middle - distance * forward, ..fisheye.frame };
                 Ok(Camera::Fisheye(*fisheye).with_frame(frame))
             }
             Camera::Panorama(_) | Camera::StereoCubemap(_) => Err(FitError::SeesAll),
@@ -108,7 +108,7 @@ impl Fit {
         }
     }
 
-    /// The place of a perspective camera.
+    /// The position of a perspective camera.
     ///
     /// * `tangents`: of half the horizontal and vertical angle
     fn eye(&self, space: &Space<'_>, tangents: [f64; 2]) -> DVec3 {
@@ -150,7 +150,7 @@ impl Fit {
         }
         let size = extent[1].max(extent[0] / self.aspect) / inside;
         let size = if size > 0.0 { size } else { 1.0 };
-        let frame = Frame { center: space.point(middle), ..camera.frame };
+        let frame = CameraFrame { center: space.point(middle), ..camera.frame };
         Camera::Orthographic(OrthographicCamera { frame, size, ..camera.clone() })
     }
 }
@@ -164,7 +164,7 @@ pub fn centred(center: DVec3, up: DVec3, support: &Support<'_>) -> Option<DVec3>
     let mut forward = (DVec3::new(x, y, z) - center).try_normalize()?;
     // The middle in the picture is not that of the box: what is near counts for more.
     for _ in 0..4 {
-        let frame = Frame::new(center, forward, up);
+        let frame = CameraFrame::new(center, forward, up);
         let space = Space::of(&frame, support)?;
         let [right, top, left, bottom] = space.tangents()?;
         let way = frame.forward + 0.5 * (right - left) * frame.right + 0.5 * (top - bottom) * frame.up;
@@ -184,7 +184,7 @@ struct Space<'a> {
 }
 
 impl<'a> Space<'a> {
-    fn of(frame: &Frame, support: &'a Support<'a>) -> Option<Space<'a>> {
+    fn of(frame: &CameraFrame, support: &'a Support<'a>) -> Option<Space<'a>> {
         let axes = DMat3::from_cols(frame.right, frame.up, frame.forward);
         let rows = axes.inverse();
         (axes.determinant() != 0.0).then_some(Space { center: frame.center, axes, rows, support })
@@ -277,10 +277,10 @@ mod tests {
         points.iter().copied().max_by(|a, b| a.dot(n).total_cmp(&b.dot(n))).unwrap()
     }
 
-    fn frame(i: u32) -> Frame {
+    fn frame(i: u32) -> CameraFrame {
         let s = Stream::new(5, [i, 0], 0);
         let v = |k: u32| DVec3::from([0, 1, 2].map(|c| 2.0 * f64::from(s.uniform(k + c)) - 1.0));
-        Frame::new(v(0), v(3), v(6))
+        CameraFrame::new(v(0), v(3), v(6))
     }
 
     /// How far out the points reach in the picture, to the sides and up and down.
@@ -333,7 +333,7 @@ mod tests {
             let center = DVec3::new(3.0, -2.0, 5.0) + scale * DVec3::new(-2.0, 1.0, 4.0);
             let forward = centred(center, DVec3::Y, &support).unwrap();
             let camera =
-                Camera::Perspective(PerspectiveCamera::new(Frame::new(center, forward, DVec3::Y), 1.0));
+                Camera::Perspective(PerspectiveCamera::new(CameraFrame::new(center, forward, DVec3::Y), 1.0));
             let fit = Fit { freedom: Freedom::Opening, aspect: 1.3, margin: 0.1 };
             let fitted = fit.apply(&camera, &support).unwrap();
             let [x, y] = reach(&fitted, &points, 1.3);
@@ -352,7 +352,7 @@ mod tests {
         let support = |n: DVec3| farthest(&points, n);
         let target = points[4];
         let forward = DVec3::new(-1.0, -0.5, -2.0);
-        let camera = PerspectiveCamera::new(Frame::new(target, forward, DVec3::Y), 0.8);
+        let camera = PerspectiveCamera::new(CameraFrame::new(target, forward, DVec3::Y), 0.8);
         let fit = Fit { freedom: Freedom::Distance, aspect: 1.0, margin: 0.05 };
         let fitted = fit.apply(&Camera::Perspective(camera), &support).unwrap();
         assert!(fitted.project(target, 1.0, 0.0).unwrap().length() < 1e-9);
@@ -376,7 +376,7 @@ mod tests {
         let fit = Fit { freedom: Freedom::Opening, aspect: 1.0, margin: 0.0 };
         let all = Camera::Panorama(crate::camera::PanoramaCamera { frame, eyes: None });
         assert_eq!(fit.apply(&all, &support).unwrap_err(), FitError::SeesAll);
-        let within = Frame::new(points[0], DVec3::Z, DVec3::Y);
+        let within = CameraFrame::new(points[0], DVec3::Z, DVec3::Y);
         let within = Camera::Perspective(PerspectiveCamera::new(within, 1.0));
         assert_eq!(fit.apply(&within, &support).unwrap_err(), FitError::Around);
     }

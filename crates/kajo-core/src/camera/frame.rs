@@ -4,7 +4,7 @@ use kajo_math::{DVec2, DVec3};
 
 /// Where a camera stands and what it calls right, up and forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct CameraFrame {
     /// World-space position.
     pub center: DVec3,
     /// Unit vector to the right, or zero when up and direction are parallel.
@@ -15,15 +15,15 @@ pub struct Frame {
     pub forward: DVec3,
 }
 
-impl Frame {
+impl CameraFrame {
     /// The frame that looks along `direction` with `up` as near to up as possible.
     ///
     /// `right = direction x up` and `up' = right x direction`, each normalised. Degenerate
     /// input gives zero axes, and so the centre ray everywhere, as in the reference program.
-    pub fn new(center: DVec3, direction: DVec3, up: DVec3) -> Frame {
+    pub fn new(center: DVec3, direction: DVec3, up: DVec3) -> CameraFrame {
         let forward = direction.normalize_or_zero();
         let right = forward.cross(up).normalize_or_zero();
-        Frame { center, right, up: right.cross(forward).normalize_or_zero(), forward }
+        CameraFrame { center, right, up: right.cross(forward).normalize_or_zero(), forward }
     }
 
     /// Whether all its numbers are finite.
@@ -32,8 +32,8 @@ impl Frame {
     }
 
     /// The same frame with `up` taken as it stands, which the `mit-a2` programs do.
-    pub fn with_raw_up(self, up: DVec3) -> Frame {
-        Frame { up, ..self }
+    pub fn with_raw_up(self, up: DVec3) -> CameraFrame {
+        CameraFrame { up, ..self }
     }
 
     /// The part of a vector across the camera's direction: right and up.

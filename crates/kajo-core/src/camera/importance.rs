@@ -16,12 +16,12 @@
 
 use kajo_math::{DVec2, DVec3, Ray, Vec2, Vec3};
 
-use super::{Camera, Frame, OrthographicCamera, PerspectiveCamera, ThinLens};
+use super::{Camera, CameraFrame, OrthographicCamera, PerspectiveCamera, ThinLens};
 
 /// What a camera makes of a ray that leaves it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Importance {
-    /// The place in the picture, both coordinates in [-1, 1].
+    /// The position in the picture, both coordinates in [-1, 1].
     pub at: Vec2,
     /// Importance of radiance along the ray, per area and solid angle.
     pub we: f32,
@@ -40,7 +40,7 @@ pub struct Connection {
     pub wi: Vec3,
     /// Distance to the lens; infinite for parallel rays.
     pub distance: f32,
-    /// The place in the picture, both coordinates in [-1, 1].
+    /// The position in the picture, both coordinates in [-1, 1].
     pub at: Vec2,
     /// Importance at the lens of radiance from the point.
     pub we: f32,
@@ -54,7 +54,7 @@ pub struct Connection {
 impl Camera {
     /// The importance of a ray that leaves the lens at `o` in direction `d`; `None` when it is not in the picture.
     ///
-    /// * `o`: world space; a point of the lens, whose place within it is not checked when it is a pinhole
+    /// * `o`: world space; a point of the lens, whose position within it is not checked when it is a pinhole
     /// * `d`: unit vector into the scene
     /// * `aspect`: width of the picture over its height
     /// * `time`: moment within the shutter interval
@@ -68,7 +68,7 @@ impl Camera {
     }
 
     /// A world-space point from which rays of a camera with a lens start: on the lens, or of a telecentric camera on the plane of
-    /// its picture, where the opening of each place of the picture is around that place. `None` where there is no lens.
+    /// its picture, where the opening of each position of the picture is around that position. `None` where there is no lens.
     ///
     /// Its density per area is [`Importance::pdf_origin`].
     ///
@@ -77,7 +77,7 @@ impl Camera {
     /// * `time`: moment within the shutter interval
     pub fn sample_origin(&self, u: Vec2, aspect: f32, time: f32) -> Option<Vec3> {
         let on_plane =
-            |frame: &Frame, l: DVec2| (frame.center + l.x * frame.right + l.y * frame.up).as_vec3();
+            |frame: &CameraFrame, l: DVec2| (frame.center + l.x * frame.right + l.y * frame.up).as_vec3();
         match self {
             Camera::Perspective(camera) => Some(on_plane(camera.frame(), camera.lens()?.sample(u))),
             Camera::Orthographic(camera) => {
@@ -218,7 +218,7 @@ impl OrthographicCamera {
 
 /// The part of a direction across the camera's, and along it; `None` when it points backwards, or when the axes are
 /// no orthonormal basis and so make no picture that light could find.
-fn split(frame: &Frame, d: DVec3) -> Option<(DVec2, f64)> {
+fn split(frame: &CameraFrame, d: DVec3) -> Option<(DVec2, f64)> {
     let cosine = d.dot(frame.forward);
     let sees = cosine > 0.0 && frame.is_orthonormal();
     sees.then(|| (frame.across(d), cosine))

@@ -15,7 +15,7 @@
 
 use kajo_math::{DVec2, DVec3, Vec2};
 
-use super::{Aperture, Frame};
+use super::{Aperture, CameraFrame};
 
 /// An ideal lens.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ impl ThinLens {
     ///
     /// * `middle`: of the lens
     /// * `d`: from there to where the film point is in focus
-    pub(super) fn refract(&self, frame: &Frame, middle: DVec3, d: DVec3, u: Vec2) -> (DVec3, DVec3) {
+    pub(super) fn refract(&self, frame: &CameraFrame, middle: DVec3, d: DVec3, u: Vec2) -> (DVec3, DVec3) {
         let l = self.sample(u);
         let offset = l.x * frame.right + l.y * frame.up;
         (middle + offset, d - offset)

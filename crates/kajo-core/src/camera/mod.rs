@@ -1,4 +1,4 @@
-//! Cameras: from a place in the picture to a ray.
+//! Cameras: from a position in the picture to a ray.
 //!
 //! A picture's own coordinates run from (-1, -1) at the lower left to (1, 1) at the upper right.
 //!
@@ -22,7 +22,7 @@ mod stereo_cubemap;
 
 pub use aperture::Aperture;
 pub use fisheye::{FisheyeCamera, FisheyeProjection};
-pub use frame::Frame;
+pub use frame::CameraFrame;
 pub use importance::{Connection, Importance};
 pub use lens::ThinLens;
 pub use moving::MovingCamera;
@@ -100,7 +100,7 @@ impl Camera {
         own && self.frame().is_finite() && lens.is_none_or(ThinLens::is_finite)
     }
 
-    /// The ray through a place of the picture, with a unit direction; `None` where no light gets.
+    /// The ray through a position of the picture, with a unit direction; `None` where no light gets.
     ///
     /// * `at`: picture coordinates; samples may lie somewhat outside [-1, 1]
     /// * `aspect`: width of the picture over its height
@@ -143,7 +143,7 @@ impl Camera {
 
     /// The same camera with its lens, if it has one, focused on a world-space point; `None` where that is not before it.
     pub fn focused_on(self, p: DVec3) -> Option<Camera> {
-        let Frame { center, forward, .. } = *self.frame();
+        let CameraFrame { center, forward, .. } = *self.frame();
         let focus = (p - center).dot(forward);
         let lens = match &self {
             Camera::Perspective(camera) => camera.lens().cloned(),
@@ -153,7 +153,7 @@ impl Camera {
         (focus > 0.0).then(|| self.with_lens(lens.map(|lens| ThinLens { focus, ..lens })))
     }
 
-    /// Whether the place on the lens matters, or there is a pinhole.
+    /// Whether the position on the lens matters, or there is a pinhole.
     pub fn has_lens(&self) -> bool {
         match self.at_rest() {
             Camera::Orthographic(camera) => camera.lens.is_some(),

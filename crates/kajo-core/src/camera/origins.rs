@@ -2,23 +2,23 @@
 
 use kajo_math::{Aabb, DVec3, Vec2};
 
-use super::{Camera, EyePair, Frame, OrthographicCamera, ThinLens};
+use super::{Camera, CameraFrame, EyePair, OrthographicCamera, ThinLens};
 
 impl Camera {
     /// A box around all points where rays start at any moment of the shutter interval, a single point where they share
     /// one; `None` for parallel rays, which come from infinitely far away.
     ///
-    /// * `places`: opposite corners of the part of the picture that is asked for, in picture coordinates
+    /// * `positions`: opposite corners of the part of the picture that is asked for, in picture coordinates
     /// * `aspect`: as for [`Camera::ray`]
-    pub fn origins(&self, places: [Vec2; 2], aspect: f32) -> Option<Aabb> {
+    pub fn origins(&self, positions: [Vec2; 2], aspect: f32) -> Option<Aabb> {
         match self {
-            Camera::Orthographic(camera) => camera.origins(places, aspect),
+            Camera::Orthographic(camera) => camera.origins(positions, aspect),
             Camera::Perspective(camera) => Some(around_lens(camera.frame(), DVec3::ZERO, camera.lens())),
             Camera::Panorama(camera) => Some(around_eyes(&camera.frame, camera.eyes)),
             Camera::Fisheye(camera) => Some(around_eyes(&camera.frame, None)),
             Camera::StereoCubemap(camera) => Some(around_eyes(&camera.frame, Some(camera.eyes))),
             Camera::Moving(moving) => {
-                let own = moving.camera.origins(places, aspect)?;
+                let own = moving.camera.origins(positions, aspect)?;
                 Some(moving.map.bounds_of_all_times(&own))
             }
         }
@@ -26,11 +26,11 @@ impl Camera {
 }
 
 impl OrthographicCamera {
-    fn origins(&self, places: [Vec2; 2], aspect: f32) -> Option<Aabb> {
+    fn origins(&self, positions: [Vec2; 2], aspect: f32) -> Option<Aabb> {
         let lens = self.lens.as_ref()?;
-        let Frame { right, up, .. } = self.frame;
+        let CameraFrame { right, up, .. } = self.frame;
         let half = self.half_size(aspect);
-        let [a, b] = places.map(Vec2::as_dvec2);
+        let [a, b] = positions.map(Vec2::as_dvec2);
         let corner = |x: f64, y: f64| half.x * x * right + half.y * y * up;
         let corners = [corner(a.x, a.y), corner(a.x, b.y), corner(b.x, a.y), corner(b.x, b.y)];
         let opening = |middle| around_lens(&self.frame, middle, Some(lens));
@@ -41,7 +41,7 @@ impl OrthographicCamera {
 /// A box around a lens, or around the pinhole.
 ///
 /// * `middle`: of the lens, from the camera's centre
-fn around_lens(frame: &Frame, middle: DVec3, lens: Option<&ThinLens>) -> Aabb {
+fn around_lens(frame: &CameraFrame, middle: DVec3, lens: Option<&ThinLens>) -> Aabb {
     // Openings that are pictures fill the square around the circle.
     let radius = lens.map_or(0.0, |lens| lens.radius);
     let (center, x, y) = (frame.center + middle, radius * frame.right, radius * frame.up);
@@ -49,7 +49,7 @@ fn around_lens(frame: &Frame, middle: DVec3, lens: Option<&ThinLens>) -> Aabb {
 }
 
 /// A box around the ball in which two eyes turn, or around the one point of a camera without them.
-fn around_eyes(frame: &Frame, eyes: Option<EyePair>) -> Aabb {
+fn around_eyes(frame: &CameraFrame, eyes: Option<EyePair>) -> Aabb {
     let radius = DVec3::splat(eyes.map_or(0.0, |eyes| 0.5 * eyes.separation));
     Aabb::around([frame.center - radius, frame.center + radius].map(|p| p.as_vec3()))
 }

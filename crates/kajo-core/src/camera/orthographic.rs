@@ -1,20 +1,20 @@
 //! Parallel rays, or with a lens those of a telecentric camera.
 //!
 //! Origins cover `center + (size/2) (x aspect right + y up)`. Rays start infinitely far back:
-//! what is behind the camera is seen too. With a lens each place of the picture has an opening of its own
+//! what is behind the camera is seen too. With a lens each position of the picture has an opening of its own
 //! around its origin, and rays start there.
 //!
 //! Scene: `OrthographicCamera { center 0 0 10  direction 0 0 -1  up 0 1 0  size 5 }`
 
 use kajo_math::{DVec2, Ray, Vec2};
 
-use super::{Frame, ThinLens};
+use super::{CameraFrame, ThinLens};
 
 /// An orthographic camera.
 #[derive(Clone, Debug)]
 pub struct OrthographicCamera {
     /// Position and axes.
-    pub frame: Frame,
+    pub frame: CameraFrame,
     /// Height of the picture in world units.
     pub size: f64,
     /// The lens, if there is one.
@@ -27,9 +27,9 @@ impl OrthographicCamera {
         0.5 * self.size * DVec2::new(f64::from(aspect), 1.0)
     }
 
-    /// The ray through a place of the picture; see [`super::Camera::ray`].
+    /// The ray through a position of the picture; see [`super::Camera::ray`].
     pub fn ray(&self, at: Vec2, aspect: f32, lens: Vec2) -> Ray {
-        let Frame { center, right, up, forward } = self.frame;
+        let CameraFrame { center, right, up, forward } = self.frame;
         let (x, y) = (f64::from(at.x) * f64::from(aspect), f64::from(at.y));
         let o = center + 0.5 * self.size * (x * right + y * up);
         match &self.lens {

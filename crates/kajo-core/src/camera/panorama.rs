@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use kajo_math::{DVec3, Ray, Vec2, fmath};
 
-use super::Frame;
+use super::CameraFrame;
 
 /// Two eyes around a centre.
 #[derive(Clone, Copy, Debug)]
@@ -27,14 +27,14 @@ impl EyePair {
     /// Where an eye is when the head turns to look along the unit vector `w`.
     ///
     /// * `side`: -1 for the left eye, 1 for the right
-    pub fn turned(&self, frame: &Frame, w: DVec3, side: f64) -> DVec3 {
+    pub fn turned(&self, frame: &CameraFrame, w: DVec3, side: f64) -> DVec3 {
         let level = w - w.dot(frame.up) * frame.up;
         let right = level.cross(frame.up).normalize_or_zero();
         frame.center + 0.5 * self.separation * side * pole_fade(w.dot(frame.up)) * right
     }
 
     /// Where an eye is when the head looks forward.
-    pub fn ahead(&self, frame: &Frame, side: f64) -> DVec3 {
+    pub fn ahead(&self, frame: &CameraFrame, side: f64) -> DVec3 {
         frame.center + 0.5 * self.separation * side * frame.right
     }
 }
@@ -50,7 +50,7 @@ fn pole_fade(sin_latitude: f64) -> f64 {
 #[derive(Clone, Copy, Debug)]
 pub struct PanoramaCamera {
     /// Position and axes.
-    pub frame: Frame,
+    pub frame: CameraFrame,
     /// The eyes of a stereo picture; `None` for a plain one.
     pub eyes: Option<EyePair>,
 }
@@ -61,7 +61,7 @@ impl PanoramaCamera {
         self.eyes.is_some()
     }
 
-    /// The ray through a place of the picture; see [`super::Camera::ray`].
+    /// The ray through a position of the picture; see [`super::Camera::ray`].
     pub fn ray(&self, at: Vec2) -> Ray {
         let (x, mut y) = (f64::from(at.x), f64::from(at.y));
         let side = if y > 0.0 { -1.0 } else { 1.0 };
@@ -69,7 +69,7 @@ impl PanoramaCamera {
             y = 2.0 * y + side;
         }
         let (longitude, latitude) = (PI * x, 0.5 * PI * y);
-        let Frame { right, up, forward, .. } = self.frame;
+        let CameraFrame { right, up, forward, .. } = self.frame;
         let level = fmath::sin64(longitude) * right + fmath::cos64(longitude) * forward;
         let w = fmath::cos64(latitude) * level + fmath::sin64(latitude) * up;
         let o = self.eyes.map_or(self.frame.center, |eyes| eyes.turned(&self.frame, w, side));

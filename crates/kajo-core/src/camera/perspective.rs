@@ -4,12 +4,12 @@
 
 use kajo_math::{DVec2, Ray, Vec2, fmath};
 
-use super::{Frame, ThinLens};
+use super::{CameraFrame, ThinLens};
 
 /// A pinhole camera, or one with a lens.
 #[derive(Clone, Debug)]
 pub struct PerspectiveCamera {
-    frame: Frame,
+    frame: CameraFrame,
     /// Distance of the picture plane at which the picture is two units high.
     distance: f64,
     lens: Option<ThinLens>,
@@ -21,7 +21,7 @@ impl PerspectiveCamera {
     }
 
     /// A pinhole camera with the full vertical field of view `angle`, in radians.
-    pub fn new(frame: Frame, angle: f64) -> PerspectiveCamera {
+    pub fn new(frame: CameraFrame, angle: f64) -> PerspectiveCamera {
         PerspectiveCamera { frame, distance: 1.0 / fmath::tan64(0.5 * angle), lens: None }
     }
 
@@ -31,12 +31,12 @@ impl PerspectiveCamera {
     }
 
     /// Position and axes.
-    pub fn frame(&self) -> &Frame {
+    pub fn frame(&self) -> &CameraFrame {
         &self.frame
     }
 
     /// The same camera with another position and other axes.
-    pub fn with_frame(self, frame: Frame) -> PerspectiveCamera {
+    pub fn with_frame(self, frame: CameraFrame) -> PerspectiveCamera {
         PerspectiveCamera { frame, ..self }
     }
 
@@ -55,9 +55,9 @@ impl PerspectiveCamera {
         DVec2::new(f64::from(aspect), 1.0) / self.distance
     }
 
-    /// The ray through a place of the picture; see [`super::Camera::ray`].
+    /// The ray through a position of the picture; see [`super::Camera::ray`].
     pub fn ray(&self, at: Vec2, aspect: f32, lens: Vec2) -> Ray {
-        let Frame { center, right, up, forward } = self.frame;
+        let CameraFrame { center, right, up, forward } = self.frame;
         let (x, y) = (f64::from(at.x) * f64::from(aspect), f64::from(at.y));
         let d = x * right + y * up + self.distance * forward;
         let (o, d) = match &self.lens {

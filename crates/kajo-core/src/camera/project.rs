@@ -26,7 +26,8 @@ use std::f64::consts::PI;
 use kajo_math::{DMat3, DVec2, DVec3, fmath};
 
 use super::{
-    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, PanoramaCamera, Stereo, StereoCubemapCamera,
+    Camera, CameraFrame, EyePair, FisheyeCamera, FisheyeProjection, PanoramaCamera, Stereo,
+    StereoCubemapCamera,
 };
 
 /// Steps towards the gaze of an eye that turns, and what is near enough.
@@ -35,7 +36,7 @@ const NEAR_ENOUGH: f64 = 1e-12;
 
 impl Camera {
     /// Position and axes; for a camera that moves, before its motion.
-    pub fn frame(&self) -> &Frame {
+    pub fn frame(&self) -> &CameraFrame {
         match self {
             Camera::Orthographic(camera) => &camera.frame,
             Camera::Perspective(camera) => camera.frame(),
@@ -47,7 +48,7 @@ impl Camera {
     }
 
     /// The same camera with another position and other axes, where it rests.
-    pub fn with_frame(self, frame: Frame) -> Camera {
+    pub fn with_frame(self, frame: CameraFrame) -> Camera {
         match self {
             Camera::Orthographic(mut camera) => {
                 camera.frame = frame;
@@ -93,7 +94,7 @@ impl Camera {
         at.is_finite().then_some(at)
     }
 
-    /// The places where the camera shows a point: as [`Camera::project`], or for two eyes that of the left one and that of
+    /// The positions where the camera shows a point: as [`Camera::project`], or for two eyes that of the left one and that of
     /// the right one.
     pub fn projections(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
         match self {
@@ -113,7 +114,7 @@ fn longitude_latitude(local: DVec3) -> DVec2 {
 
 impl EyePair {
     /// The unit direction in which an eye that turns sees the world-space point `p`; `None` where it is too near.
-    fn gaze(&self, frame: &Frame, p: DVec3, side: f64) -> Option<DVec3> {
+    fn gaze(&self, frame: &CameraFrame, p: DVec3, side: f64) -> Option<DVec3> {
         let mut w = (p - frame.center).try_normalize()?;
         for _ in 0..STEPS {
             let next = (p - self.turned(frame, w, side)).try_normalize()?;
@@ -187,7 +188,7 @@ impl FisheyeProjection {
     }
 }
 
-impl Frame {
+impl CameraFrame {
     /// A world-space point by right, up and forward; `None` when the axes span no space.
     pub fn local(&self, p: DVec3) -> Option<DVec3> {
         let axes = DMat3::from_cols(self.right, self.up, self.forward);
@@ -203,7 +204,7 @@ mod tests {
     use super::super::tests::every_camera;
     use super::*;
 
-    /// A point on a ray of the picture is projected to a place whose ray meets the point.
+    /// A point on a ray of the picture is projected to a position whose ray meets the point.
     #[test]
     fn points_on_rays_appear_where_the_rays_go() {
         let aspect = 1.5;
@@ -255,7 +256,7 @@ mod tests {
     #[test]
     fn nothing_is_seen_behind_a_pinhole() {
         let camera = every_camera().into_iter().find(|c| matches!(c, Camera::Perspective(_))).unwrap();
-        let Frame { center, forward, .. } = *camera.frame();
+        let CameraFrame { center, forward, .. } = *camera.frame();
         assert!(camera.project(center + forward, 1.0, 0.0).unwrap().length() < 1e-12);
         assert!(camera.project(center - forward, 1.0, 0.0).is_none());
     }

@@ -1,4 +1,4 @@
-//! From places on the film, in pixels, to places in the picture, and back.
+//! From positions on the film, in pixels, to positions in the picture, and back.
 
 use kajo_math::{DVec2, Vec2};
 
@@ -28,7 +28,7 @@ impl Raster {
         if self.spans_width { 1.0 / self.aspect() } else { 1.0 }
     }
 
-    /// The picture coordinates of a place on the film; see [`super::Camera::ray`].
+    /// The picture coordinates of a position on the film; see [`super::Camera::ray`].
     #[inline]
     pub fn picture(&self, raster: Vec2) -> Vec2 {
         self.scale() * self.over_film(raster)
@@ -44,7 +44,7 @@ impl Raster {
         }
     }
 
-    /// The place on the film of picture coordinates.
+    /// The position on the film of picture coordinates.
     pub fn film_position(&self, at: DVec2) -> DVec2 {
         let [w, h] = self.size.map(f64::from);
         let at = at / f64::from(self.scale());

@@ -12,7 +12,7 @@
 
 use kajo_math::{DVec3, Ray, Vec2};
 
-use super::{EyePair, Frame};
+use super::{CameraFrame, EyePair};
 
 /// How the eyes stand while the gaze goes round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub enum Stereo {
 #[derive(Clone, Copy, Debug)]
 pub struct StereoCubemapCamera {
     /// Position and axes.
-    pub frame: Frame,
+    pub frame: CameraFrame,
     /// The two eyes.
     pub eyes: EyePair,
     /// How the eyes move.
@@ -35,7 +35,7 @@ pub struct StereoCubemapCamera {
 }
 
 impl StereoCubemapCamera {
-    /// The ray through a place of the whole strip; see [`super::Camera::ray`].
+    /// The ray through a position of the whole strip; see [`super::Camera::ray`].
     pub fn ray(&self, at: Vec2) -> Ray {
         // Position in units of faces; a sample beyond the strip's ends continues its last face.
         let along = 6.0 * (f64::from(at.x) + 1.0);
@@ -50,9 +50,9 @@ impl StereoCubemapCamera {
         Ray::new(o.as_vec3(), w.as_vec3())
     }
 
-    /// Unit direction through a place of one face, with x and y in [-1, 1].
+    /// Unit direction through a position of one face, with x and y in [-1, 1].
     pub(super) fn direction(&self, face: usize, x: f64, y: f64) -> DVec3 {
-        let Frame { right, up, forward, .. } = self.frame;
+        let CameraFrame { right, up, forward, .. } = self.frame;
         // Each face's own right, up and outward axes.
         let (r, u, out) = match face {
             0 => (-forward, up, right),

@@ -6,12 +6,12 @@ use kajo_math::{Aabb, DVec3, Vec2, Vec3, rng::Stream};
 
 use super::*;
 
-fn random_frame(i: u32) -> Frame {
+fn random_frame(i: u32) -> CameraFrame {
     let s = Stream::new(3, [i, 0], 0);
     let v = |k: u32| {
         DVec3::new(s.uniform(k).into(), s.uniform(k + 1).into(), s.uniform(k + 2).into()) * 2.0 - 1.0
     };
-    Frame::new(5.0 * v(0), v(3), v(6))
+    CameraFrame::new(5.0 * v(0), v(3), v(6))
 }
 
 /// A camera of each kind and of each projection, without lenses and with.
@@ -52,9 +52,9 @@ pub(crate) fn every_camera() -> Vec<Camera> {
 
 #[test]
 fn rays_start_in_the_box_around_their_origins() {
-    let places = [Vec2::new(-1.0, 1.0), Vec2::new(1.0, -1.0)];
+    let positions = [Vec2::new(-1.0, 1.0), Vec2::new(1.0, -1.0)];
     for camera in every_camera() {
-        let Some(origins) = camera.origins(places, 1.5) else {
+        let Some(origins) = camera.origins(positions, 1.5) else {
             let ray = camera.ray(Vec2::ZERO, 1.5, Vec2::ZERO, 0.0).expect("seen by any camera");
             assert_eq!(ray.t_min, f32::NEG_INFINITY);
             continue;
@@ -94,7 +94,7 @@ fn orthographic_corners_are_where_the_handout_puts_them() {
 
 #[test]
 fn perspective_angle_is_vertical() {
-    let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     let camera = PerspectiveCamera::new(frame, 90f64.to_radians());
     let top = camera.ray(Vec2::new(0.0, 1.0), 2.0, Vec2::ZERO).d;
     assert!((top - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-6);
@@ -104,7 +104,7 @@ fn perspective_angle_is_vertical() {
 
 #[test]
 fn degenerate_up_sends_the_centre_ray_everywhere() {
-    let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Z);
+    let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Z);
     let camera = PerspectiveCamera::new(frame, 1.0);
     assert_eq!(camera.ray(Vec2::new(0.7, -0.3), 1.0, Vec2::ZERO).d, Vec3::NEG_Z);
 }
@@ -112,7 +112,7 @@ fn degenerate_up_sends_the_centre_ray_everywhere() {
 /// The angle between the eyes' views of a point at distance d: asin(r/d) tangent, atan(r/d) twin.
 #[test]
 fn stereo_parallax_has_its_closed_form() {
-    let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     let eyes = EyePair { separation: 0.065 };
     let panorama = PanoramaCamera { frame, eyes: Some(eyes) };
     for (d, degrees) in [(1.0, 1.862_441), (2.0, 0.931_097), (10.0, 0.186_212)] {
@@ -159,7 +159,7 @@ fn cube_faces_meet_along_their_edges() {
 
 #[test]
 fn panorama_poles_and_middle() {
-    let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     let plain = PanoramaCamera { frame, eyes: None };
     assert!(plain.ray(Vec2::ZERO).d.distance(Vec3::NEG_Z) < 1e-6);
     assert!(plain.ray(Vec2::new(0.5, 0.0)).d.distance(Vec3::X) < 1e-6);

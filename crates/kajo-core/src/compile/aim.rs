@@ -18,7 +18,7 @@ use kajo_math::{DVec3, Vec3};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::fields::{At, Field, Keys, Optional, Plain, Sources, Typed, keys, point, vector};
-use crate::camera::Frame;
+use crate::camera::CameraFrame;
 use crate::schema::{FieldKind, FieldSpec};
 
 /// The share of the picture that `fit` leaves free at each edge unless told otherwise.
@@ -111,9 +111,13 @@ impl<'a> Aim<'a> {
     /// The frame that stands at `center` and looks along `direction`, with what was said to be up.
     ///
     /// Returns what is wrong with it too: the key, and why.
-    pub fn frame(&self, center: DVec3, direction: DVec3) -> (Frame, Option<(&'static str, &'static str)>) {
+    pub fn frame(
+        &self,
+        center: DVec3,
+        direction: DVec3,
+    ) -> (CameraFrame, Option<(&'static str, &'static str)>) {
         let up = self.up.unwrap_or_else(|| usual_up(direction));
-        let frame = Frame::new(center, direction, up);
+        let frame = CameraFrame::new(center, direction, up);
         let problem = if frame.right != DVec3::ZERO {
             None
         } else if direction == DVec3::ZERO {

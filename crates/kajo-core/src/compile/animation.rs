@@ -18,7 +18,7 @@ use super::blocks::animation::{self, FPS, FRAMES, KEYWORD, frame_range};
 use super::motion::USUAL_SHUTTER;
 use super::{CompileOptions, Compiler, operations};
 use crate::animation::Animation;
-use crate::camera::Frame;
+use crate::camera::CameraFrame;
 use crate::motion::Shutter;
 
 const SHUTTER: &str = "shutter";
@@ -143,9 +143,9 @@ impl Compiler<'_> {
     pub(super) fn changing_frame(
         &self,
         clock: &Clock,
-        mut frame_at: impl FnMut(usize) -> Option<Frame>,
+        mut frame_at: impl FnMut(usize) -> Option<CameraFrame>,
     ) -> Option<Motion> {
-        let axes = |frame: &Frame| {
+        let axes = |frame: &CameraFrame| {
             let up = frame.right.cross(frame.forward);
             (frame.right != DVec3::ZERO && up != DVec3::ZERO)
                 .then(|| DMat3::from_cols(frame.right, up.normalize_or_zero(), -frame.forward))

@@ -4,7 +4,7 @@ use kajo_math::{DVec3, Ray, Vec2, Vec3, fmath};
 use kajo_scene::{Limits, MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, clock_of, compile};
-use crate::scene::{Event, Scene};
+use crate::scene::{RayEvent, Scene};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }";
 
@@ -33,8 +33,8 @@ fn scene(objects: &str, frame: i64) -> Scene {
 fn height(scene: &Scene, x: f32, y: f32, time: f32) -> Option<f32> {
     let ray = Ray { time, ..Ray::new(Vec3::new(x, y, 50.0), Vec3::NEG_Z) };
     match scene.trace(&ray) {
-        Event::Surface(at) => Some(at.point.p.z),
-        Event::Escaped => None,
+        RayEvent::Surface(at) => Some(at.point.p.z),
+        RayEvent::Escaped => None,
     }
 }
 

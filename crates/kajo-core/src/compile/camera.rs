@@ -13,7 +13,7 @@ use super::lens::{Focus, LensKeys};
 use super::lorentz::Velocity;
 use super::member::keywords;
 use super::{Compiler, motion};
-use crate::camera::{Camera, Frame, OrthographicCamera};
+use crate::camera::{Camera, CameraFrame, OrthographicCamera};
 use crate::motion::{MovingTransform, Shutter};
 use crate::scene::Observer;
 
@@ -119,7 +119,7 @@ fn frames_at(
     sources: &mut Sources<'_>,
     other_fits: &[&str],
     raw_up: bool,
-) -> Vec<Option<Frame>> {
+) -> Vec<Option<CameraFrame>> {
     let moments = item.desc().clock().len();
     if moments < 2 || !item.changes() {
         return Vec::new();
@@ -145,14 +145,14 @@ pub(super) fn missing() -> Diagnostic {
 
 /// The camera of scenes that have nothing to see.
 pub(super) fn none() -> Camera {
-    let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None })
 }
 
 /// The frame of a camera that asks for nothing of the scene; any other for one that does.
-fn known_frame(aim: &Aim<'_>, params: &mut Params<'_, '_>, raw_up: bool) -> Frame {
+fn known_frame(aim: &Aim<'_>, params: &mut Params<'_, '_>, raw_up: bool) -> CameraFrame {
     let (Some(center), false) = (aim.center, aim.needs_scene()) else {
-        return Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+        return CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     };
     let direction = match aim.target {
         Some((_, Subject::Point(target))) => target - center,

@@ -6,7 +6,7 @@ use super::fields::{Defaulted, Sources, Typed, at_least, between, keys, number};
 use super::lens::LensKeys;
 use super::lorentz::{self, Velocity};
 use super::motion::usual_shutter;
-use crate::camera::{Camera, Frame};
+use crate::camera::{Camera, CameraFrame};
 use crate::motion::Shutter;
 use crate::schema::{Constant, FieldKind};
 
@@ -19,7 +19,7 @@ pub(super) struct CameraReader {
 
 /// Where a camera stands and looks, as far as that is known before the scene is.
 pub(super) struct CameraAim {
-    pub frame: Option<Frame>,
+    pub frame: Option<CameraFrame>,
     /// Whether what it sees is found by what it is to see.
     pub is_fitted: bool,
 }

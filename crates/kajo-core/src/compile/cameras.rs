@@ -10,7 +10,7 @@ use super::aim::{Aim, FitKey, Subject, usual_direction};
 use super::camera::CameraRequest;
 use super::lens::Focus;
 use crate::camera::fit::{Fit, FitError, Freedom, centred};
-use crate::camera::{Camera, Frame, MovingCamera, NamedCamera};
+use crate::camera::{Camera, CameraFrame, MovingCamera, NamedCamera};
 use crate::motion::Shutter;
 use crate::scene::{Extent, Fitted, FittedCamera, Scene};
 
@@ -205,7 +205,7 @@ impl<'s, 't> Resolver<'s, 't, '_> {
 
     /// The camera with its lens focused on a point.
     fn focused(&mut self, camera: Camera, p: DVec3, place: Span) -> Option<Camera> {
-        let Frame { center, forward, .. } = *camera.frame();
+        let CameraFrame { center, forward, .. } = *camera.frame();
         let focused = camera.focused_on(p);
         if focused.is_none() {
             let error = Diagnostic::error("the camera cannot focus on what is behind it");

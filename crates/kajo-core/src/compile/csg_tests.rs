@@ -5,7 +5,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::tests::scene;
 use super::*;
-use crate::scene::Event;
+use crate::scene::RayEvent;
 
 const HEAD: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }
 Materials { Material red { diffuseColor 1 0 0 } Material green { diffuseColor 0 1 0 } }\n";
@@ -17,11 +17,11 @@ fn of(group: &str) -> Scene {
 /// What a ray down the z axis from (x, y) meets first: how high, and of which colour.
 fn look(scene: &Scene, x: f32, y: f32) -> Option<(f32, [f32; 3])> {
     match scene.trace(&Ray::new(Vec3::new(x, y, 10.0), Vec3::NEG_Z)) {
-        Event::Surface(at) => {
+        RayEvent::Surface(at) => {
             let phong = scene.appearance.phong(at.material, &scene.texture_context(&at));
             Some(((at.point.p.z * 1e4).round() / 1e4, phong.diffuse.to_rgb()))
         }
-        Event::Escaped => None,
+        RayEvent::Escaped => None,
     }
 }
 
@@ -70,7 +70,7 @@ fn operations_stand_in_operations_and_under_transforms() {
     assert_eq!(look(&scene, 0.0, -1.4), Some((0.3, RED)), "the rounded end");
     assert_eq!(look(&scene, 0.0, 0.0), Some((0.5, RED)), "the cut touches the top");
     let hollow = Ray::new(Vec3::new(0.0, 0.0, 0.0), Vec3::NEG_Z);
-    let Event::Surface(at) = scene.trace(&hollow) else { panic!("the cavity has a wall") };
+    let RayEvent::Surface(at) = scene.trace(&hollow) else { panic!("the cavity has a wall") };
     assert!((at.point.p.z + 0.25).abs() < 1e-5 && at.point.n.z > 0.99, "{} {}", at.point.p, at.point.n);
 }
 

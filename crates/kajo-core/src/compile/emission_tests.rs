@@ -12,7 +12,7 @@ use crate::bsdf::tests::without_tables;
 use crate::bsdf::{Base, Bsdf, Specular, ThinDielectric};
 use crate::ids::LightIndex;
 use crate::light::{LeNumbers, LightChoice, LightLeSample, LightPoint, PowerLightSampler, Receiver};
-use crate::scene::{Event, Scene};
+use crate::scene::{RayEvent, Scene};
 
 /// A picture of 2 x 2 colours.
 const SLIDE: &[u8] = b"P6\n2 2\n255\n\xff\x40\x20\x30\xe0\x90\x10\x50\xff\xc0\xc0\x60";
@@ -310,7 +310,7 @@ fn models_are_of_glass_and_coat() {
     let down = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
     let look = |words: &str, u: f32| {
         let scene = model(&format!("\"roughnessFactor\":0.5}},\"extensions\":{{{words}}}"));
-        let Event::Surface(at) = scene.trace(&down) else { panic!("the triangle is met: {words}") };
+        let RayEvent::Surface(at) = scene.trace(&down) else { panic!("the triangle is met: {words}") };
         let interior = scene.interior(&at, &Wavelengths::RGB, u);
         (
             without_tables(scene.bsdf(&at, &Wavelengths::RGB, 1.0, u)),

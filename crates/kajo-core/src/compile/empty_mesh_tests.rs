@@ -4,7 +4,7 @@ use kajo_math::{Ray, Vec3};
 use kajo_scene::{Limits, MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, compile};
-use crate::scene::{Event, Scene};
+use crate::scene::{RayEvent, Scene};
 
 const SCENE: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30  shutter 0 1 }
     Materials { Matte grey { } Matte emitter { emission 5 5 5 } Glass glass { } Mix both { materialIndex grey  materialIndex emitter } }\n";
@@ -65,8 +65,8 @@ fn nothing_is_hit_and_nothing_shines() {
     let plain = plain.unwrap();
     let ray = Ray::new(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.02, -1.0, 0.01));
     let look = |scene: &Scene| match scene.trace(&ray) {
-        Event::Surface(at) => (at.point.p, at.hit.part),
-        Event::Escaped => panic!("there is a light below"),
+        RayEvent::Surface(at) => (at.point.p, at.hit.part),
+        RayEvent::Escaped => panic!("there is a light below"),
     };
     for (file, _) in FILES {
         for (keys, place) in KEYS.iter().flat_map(|keys| PLACES.map(|place| (keys, place))) {

@@ -9,7 +9,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 use super::{CompileOptions, compile};
 use crate::bsdf::{Base, Bsdf, Phong};
 use crate::material::ShadingPoint;
-use crate::scene::{Event, Interaction, Scene};
+use crate::scene::{Interaction, RayEvent, Scene};
 
 /// A square of two triangles from (-1, -1) to (1, 1), each with a material of its own.
 const SQUARE: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
@@ -33,8 +33,8 @@ fn compiled(mesh: &str, assets: MemoryAssets) -> (Option<Scene>, Vec<String>) {
 
 fn at(scene: &Scene, x: f32, y: f32) -> Interaction {
     match scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z)) {
-        Event::Surface(at) => at,
-        Event::Escaped => panic!("nothing at {x} {y}"),
+        RayEvent::Surface(at) => at,
+        RayEvent::Escaped => panic!("nothing at {x} {y}"),
     }
 }
 

@@ -7,7 +7,7 @@ use kajo_math::{Ray, Vec3};
 use kajo_scene::{AssetError, AssetFile, Assets, Limits, LoadStep, MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, MeshStore, clock_of, compile};
-use crate::scene::{Event, Scene};
+use crate::scene::{RayEvent, Scene};
 
 /// A triangle (0, 0), (1, 0), (0, 1) at z = 0 with two animations of a second: `slide` takes it 4 along x, `lift` 2 along z by
 /// the weight of a target.
@@ -59,8 +59,8 @@ fn compiled(keys: &str, assets: &Counting, options: &CompileOptions) -> Result<S
 /// How high the triangle is, found by a ray a little beside the image of its first corner.
 fn height(scene: &Scene, x: f32) -> Option<f32> {
     match scene.trace(&Ray::new(Vec3::new(x + 0.1, 0.1, 50.0), Vec3::NEG_Z)) {
-        Event::Surface(at) => Some(at.point.p.z),
-        Event::Escaped => None,
+        RayEvent::Surface(at) => Some(at.point.p.z),
+        RayEvent::Escaped => None,
     }
 }
 

@@ -9,9 +9,9 @@ use kajo_scene::{Diagnostic, Item, ModelCamera, ModelLight, ModelLightKind, Mode
 
 use super::Compiler;
 use super::graphics_state::CurrentTransform;
-use crate::camera::{Camera, Frame, NamedCamera, OrthographicCamera, PerspectiveCamera};
+use crate::camera::{Camera, CameraFrame, NamedCamera, OrthographicCamera, PerspectiveCamera};
 use crate::ids::LightGroup;
-use crate::light::{Cone, DirectionalLight, PointLight, SpotLight};
+use crate::light::{DirectionalLight, PointLight, SpotCone, SpotLight};
 
 impl Compiler<'_> {
     /// Adds the lights of a model that stands at `ctm`.
@@ -46,7 +46,7 @@ impl Compiler<'_> {
                     self.add_light(light, group, at);
                 }
                 ModelLightKind::Spot { inner, outer } => {
-                    let cone = Cone::new(inner, outer);
+                    let cone = SpotCone::new(inner, outer);
                     self.add_light(SpotLight { point, axis: direction, cone }, group, at);
                 }
             }
@@ -71,7 +71,7 @@ impl Compiler<'_> {
 fn placed(camera: &ModelCamera, map: &DAffine3) -> Camera {
     let up = map.transform_vector3(camera.up);
     let direction = map.transform_vector3(camera.direction);
-    let frame = Frame::new(map.transform_point3(camera.center), direction, up);
+    let frame = CameraFrame::new(map.transform_point3(camera.center), direction, up);
     match camera.view {
         ModelView::Perspective { angle } => Camera::Perspective(PerspectiveCamera::new(frame, angle)),
         ModelView::Orthographic { height } => {

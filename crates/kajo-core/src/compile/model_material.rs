@@ -12,7 +12,7 @@ use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
 use crate::light::Sides;
 use crate::material::{
-    Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief, Specular,
+    Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief, SpecularLayer,
 };
 use crate::texture::{
     AnyFloatNode, Channel, ColorTexture, Encoding, FloatTexture, PictureChannel, PictureCut, PictureMap,
@@ -131,16 +131,16 @@ impl Compiler<'_> {
     }
 
     /// How the gloss of what is no metal differs from that of its index.
-    fn model_specular(&mut self, material: &ModelMaterial, pictures: &ModelPictures<'_>) -> Specular {
+    fn model_specular(&mut self, material: &ModelMaterial, pictures: &ModelPictures<'_>) -> SpecularLayer {
         let ModelTint { color, picture } = material.specular;
         let gloss = self.model_picture(material.gloss.picture, AMOUNTS, pictures);
         let weight = self.number(gloss, material.gloss.value, Channel::Alpha, pictures.at);
         let map = self.model_picture(picture, None, pictures);
         if map.is_none() && color == [1.0; 3] && weight.range()[0] >= 1.0 {
-            return Specular::default();
+            return SpecularLayer::default();
         }
         let scale = color.into_iter().fold(1.0, f32::max);
-        Specular::F0 { factor: self.color(map, color.map(|c| c / scale), pictures.at), scale, weight }
+        SpecularLayer::F0 { factor: self.color(map, color.map(|c| c / scale), pictures.at), scale, weight }
     }
 
     /// The share of a surface that is there, where that is not all of it.
@@ -212,7 +212,7 @@ fn hole(opacity: f32) -> Option<FloatTexture> {
 /// A surface that reflects nothing.
 fn black() -> Layers {
     let black = || ColorTexture::from(Reflectance::constant(0.0));
-    Layers { color: black(), specular: Specular::Factor(black()), ..Layers::default() }
+    Layers { color: black(), specular: SpecularLayer::Factor(black()), ..Layers::default() }
 }
 
 /// Layers of a roughness, with facets that run one way where the material has them.

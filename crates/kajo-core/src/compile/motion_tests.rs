@@ -8,7 +8,7 @@ use super::tests::{compiled, scene};
 use crate::Scene;
 use crate::ids::ObjectId;
 use crate::light::{LightChoice, LightLiSample, LightPoint, Receiver};
-use crate::scene::{Event, Interaction};
+use crate::scene::{Interaction, RayEvent};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
 const MATERIALS: &str = "Materials { Material grey { diffuseColor 0.5 0.5 0.5 }
@@ -66,8 +66,8 @@ fn ray(k: u32, time: f32) -> Ray {
 
 fn met(scene: &Scene, ray: &Ray) -> Option<Interaction> {
     match scene.trace(ray) {
-        Event::Surface(at) => Some(at),
-        Event::Escaped => None,
+        RayEvent::Surface(at) => Some(at),
+        RayEvent::Escaped => None,
     }
 }
 

@@ -6,7 +6,7 @@ use kajo_scene::{MemoryAssets, MemoryBudget};
 
 use super::*;
 use crate::ids::ObjectId;
-use crate::scene::{Event, Interaction};
+use crate::scene::{Interaction, RayEvent};
 use crate::{ElementContent, NestedElement};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
@@ -117,8 +117,8 @@ fn compare(text: &str, there: Vec3, n: u32) {
     for ray in rays(n) {
         let ray = Ray { o: ray.o + there, ..ray };
         let event = |scene: &Scene| match scene.trace(&ray) {
-            Event::Surface(at) => Some(facts(scene, &at)),
-            Event::Escaped => None,
+            RayEvent::Surface(at) => Some(facts(scene, &at)),
+            RayEvent::Escaped => None,
         };
         let found = event(&nested);
         assert_eq!(found, event(&flat), "{ray:?}");

@@ -5,7 +5,7 @@ use kajo_math::{Ray, Vec3};
 use kajo_scene::{Limits, MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, compile};
-use crate::scene::{Event, Interaction, Scene};
+use crate::scene::{Interaction, RayEvent, Scene};
 
 /// A cube from -1 to 1, of quadrilaterals with the whole picture on each.
 const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n\
@@ -52,8 +52,8 @@ fn said(file: &str, keys: &str) -> Vec<String> {
 
 fn at(scene: &Scene, x: f32, y: f32) -> Interaction {
     match scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z)) {
-        Event::Surface(at) => at,
-        Event::Escaped => panic!("nothing at {x} {y}"),
+        RayEvent::Surface(at) => at,
+        RayEvent::Escaped => panic!("nothing at {x} {y}"),
     }
 }
 

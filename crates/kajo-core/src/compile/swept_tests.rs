@@ -5,7 +5,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::tests::scene;
 use super::*;
-use crate::scene::Event;
+use crate::scene::RayEvent;
 
 const HEAD: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }
 Materials { Material red { diffuseColor 1 0 0 } }\n";
@@ -17,8 +17,8 @@ fn of(group: &str) -> Scene {
 /// How high what a ray down the z axis from (x, y) meets first is.
 fn height(scene: &Scene, x: f32, y: f32) -> Option<f32> {
     match scene.trace(&Ray::new(Vec3::new(x, y, 10.0), Vec3::NEG_Z)) {
-        Event::Surface(at) => Some((at.point.p.z * 1e4).round() / 1e4),
-        Event::Escaped => None,
+        RayEvent::Surface(at) => Some((at.point.p.z * 1e4).round() / 1e4),
+        RayEvent::Escaped => None,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::bsdf::tests::without_tables;
 use crate::bsdf::{Base, Bsdf, Dielectric, ThinDielectric};
 use crate::camera::Camera;
 use crate::ids::ObjectId;
-use crate::scene::Event;
+use crate::scene::RayEvent;
 use crate::settings::Technique;
 
 pub(super) const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
@@ -44,8 +44,8 @@ pub(super) fn error_in_group(group: &str) -> String {
 pub(super) fn look(scene: &Scene, x: f32, y: f32) -> Option<(Vec3, Vec3, [f32; 3])> {
     let ray = Ray::new(Vec3::new(x, y, 10.0), Vec3::NEG_Z);
     match scene.trace(&ray) {
-        Event::Escaped => None,
-        Event::Surface(at) => {
+        RayEvent::Escaped => None,
+        RayEvent::Surface(at) => {
             let phong = scene.appearance.phong(at.material, &scene.texture_context(&at));
             Some((at.point.p, at.point.n, phong.diffuse.to_rgb()))
         }
@@ -324,8 +324,8 @@ fn the_tree_and_the_planes_agree_with_brute_force() {
         });
         let brute = each.min_by(|a, b| a.partial_cmp(b).unwrap());
         let found = match s.trace(&ray) {
-            Event::Surface(at) => Some((at.hit.t, at.object)),
-            Event::Escaped => None,
+            RayEvent::Surface(at) => Some((at.hit.t, at.object)),
+            RayEvent::Escaped => None,
         };
         assert_eq!(found, brute, "ray {i}");
         assert_eq!(s.occluded(&ray), brute.is_some());
@@ -353,8 +353,8 @@ fn rays_from_and_to_a_point_need_no_tree() {
             let p = Vec3::new(r.uniform(0), r.uniform(1), r.uniform(2)) * 12.0 - 6.0;
             let from = Ray::new(apex, (p - apex).normalize());
             let [with, without] = [Some(&buffer), None].map(|buffer| match s.trace_from(buffer, &from) {
-                Event::Surface(at) => Some((at.hit, at.object)),
-                Event::Escaped => None,
+                RayEvent::Surface(at) => Some((at.hit, at.object)),
+                RayEvent::Escaped => None,
             });
             assert_eq!(with, without, "{apex} {p}");
             let to = Ray::new(p, -from.d).over(1e-3, p.distance(apex));
@@ -373,7 +373,9 @@ fn looking_for_the_far_side_first_changes_nothing() {
     for i in 0..5000u32 {
         let r = kajo_math::rng::Stream::new(46, [i, 0], 0);
         let signed = |k: u32| 2.0 * Vec3::new(r.uniform(k), r.uniform(k + 1), r.uniform(k + 2)) - 1.0;
-        let Event::Surface(at) = s.trace(&Ray::new(6.0 * signed(0), signed(3).normalize())) else { continue };
+        let RayEvent::Surface(at) = s.trace(&Ray::new(6.0 * signed(0), signed(3).normalize())) else {
+            continue;
+        };
         let onward = at.point.ray_towards(signed(6).normalize(), f32::INFINITY, 0.0, crate::RayOffset::Auto);
         let (mut first, mut plain) = (at, at);
         let met = s.trace_inwards(&onward, &mut first);
@@ -602,7 +604,7 @@ fn texture_coordinates_of_vertices_reach_the_hit() {
     let (scene, _) = with_files("Group { MaterialIndex 0 TriangleMesh { file roof.ply } }", &roof());
     let scene = scene.unwrap();
     let ray = Ray::new(Vec3::new(0.0, 0.25, 10.0), Vec3::NEG_Z);
-    let Event::Surface(at) = scene.trace(&ray) else { panic!("missed") };
+    let RayEvent::Surface(at) = scene.trace(&ray) else { panic!("missed") };
     assert!(scene.geometry.uv(&at).distance(Vec2::new(0.375, 0.25)) < 1e-5, "{}", scene.geometry.uv(&at));
 }
 
@@ -677,7 +679,7 @@ fn scatters(materials: &str) -> Bsdf<'static> {
     let sphere = "Group { MaterialIndex 0  Sphere { center 0 0 0  radius 1 } }";
     let text = format!("{CAMERA}Materials {{ {materials} }}{sphere}");
     let scene = scene(&text);
-    let Event::Surface(at) = scene.trace(&Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z)) else {
+    let RayEvent::Surface(at) = scene.trace(&Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z)) else {
         panic!("the sphere is met");
     };
     without_tables(scene.bsdf(&at, &kajo_color::Wavelengths::RGB, 1.0, 0.5))

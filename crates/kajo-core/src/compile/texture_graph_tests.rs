@@ -81,7 +81,7 @@ fn context(p: Vec3) -> TextureContext {
     TextureContext { p, uv, n, ..TextureContext::default() }
 }
 
-fn places() -> impl Iterator<Item = Vec3> {
+fn points() -> impl Iterator<Item = Vec3> {
     (0..60).map(|i| {
         let s = kajo_math::rng::Stream::new(8, [i, 0], 0);
         6.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)) - 3.0
@@ -96,7 +96,7 @@ fn patterns_are_placed_sized_and_warped() {
     let (placed, warped) = (shown(text), shown("Onion t { wave saw  warp 0.25  warpOctaves 3  size 2 }"));
     let onion = SolidPattern::new(Onion { wave: Wave::Saw, ..Onion::default() });
     let warp = TurbulentWarp { amount: Vec3::splat(0.25), octaves: 3, ..TurbulentWarp::default() };
-    for p in places() {
+    for p in points() {
         let own = (p - Vec3::new(1.0, 2.0, 3.0)) / 2.0 / 0.5;
         assert!((placed.value(p) - clouds.at(own, 0.0)).abs() < 1e-4, "{p}");
         let [r, g, b] = placed.rgb(p);
@@ -113,7 +113,7 @@ fn textures_are_made_of_others_in_any_order() {
     let a = SolidPattern::new(Clouds(Octaves { count: 2, ..Octaves::default() }));
     let b = SolidPattern::new(Worley { value: WorleyValue::Crackle, ..Worley::default() });
     let mut sums = 0;
-    for p in places() {
+    for p in points() {
         let (a, b) = (a.at(p, 0.0), b.at(p / 2.0, 0.0));
         let near =
             |found: f32, expected: f32| assert!((found - expected).abs() < 1e-6, "{p}: {found} {expected}");
@@ -131,7 +131,7 @@ fn textures_are_made_of_others_in_any_order() {
         of("Curve t { texture a  stop 0 0.2  stop 0.5 1  stop 1 0 }"),
         of("Threshold t { texture a  edge 0.4 }"),
     ];
-    for p in places() {
+    for p in points() {
         let (a, b) = (a.at(p, 0.0), b.at(p / 2.0, 0.0));
         let near =
             |found: f32, expected: f32| assert!((found - expected).abs() < 1e-6, "{p}: {found} {expected}");
@@ -182,7 +182,7 @@ fn projections_lay_textures_on_sheets() {
     let tau = std::f32::consts::TAU;
     let [uv, planar, spherical, cylindrical, cubic, camera, triplanar] =
         ["uv", "planar", "spherical", "cylindrical", "cubic", "camera angle 60", "triplanar"].map(of);
-    for p in places() {
+    for p in points() {
         let at = context(p);
         let on = |v: Vec2| flat.at((v / 0.25).extend(0.0), 0.0);
         let round = 0.5 + p.x.atan2(p.z) / tau;
@@ -227,7 +227,7 @@ fn slopes_are_derivatives() {
     }
     for graph in graphs {
         let shown = shown(&format!("{graph} {clouds}"));
-        for p in places() {
+        for p in points() {
             let at = context(p);
             let TextureSlope { uv, p: slope } = shown.slope(&at);
             let h = 2e-3;
@@ -254,7 +254,7 @@ fn filters_fade_what_is_too_fine() {
     let (x, y) = (0.02 * Vec3::X, 0.01 * Vec3::Y);
     let footprint = TextureFootprint { p: [x, y], ..TextureFootprint::POINT };
     let values = |shown: &Shown| {
-        places().map(|p| shown.at(&TextureContext { footprint, ..context(p) })).collect::<Vec<_>>()
+        points().map(|p| shown.at(&TextureContext { footprint, ..context(p) })).collect::<Vec<_>>()
     };
     assert!(values(&faded).windows(2).all(|pair| pair[0] == pair[1]));
     assert!(values(&sharp).windows(2).any(|pair| (pair[0] - pair[1]).abs() > 0.1));

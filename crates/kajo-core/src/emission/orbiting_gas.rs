@@ -1,10 +1,10 @@
 //! The light of gas that goes around a black hole.
 //!
-//! Each place of it is a black body of the temperature of the thin disk of [`ThinDisk`], in the frame of gas on a circular
+//! Each position of it is a black body of the temperature of the thin disk of [`ThinDisk`], in the frame of gas on a circular
 //! orbit. Light that is seen with the frequency ratio `g` is that of a black body of temperature `g T`, in every direction and without
 //! any other factor: `L(ν)/ν³` stays the same along light, and Planck's law is a function of `ν/T` times `ν³`.
 //!
-//! Here light is handed out as somebody at rest sees it who is at the place itself: `g` is the Doppler shift of the orbit. What gravity
+//! Here light is handed out as somebody at rest sees it who is at the position itself: `g` is the Doppler shift of the orbit. What gravity
 //! does to it on its way is for whoever follows it to know.
 
 use std::sync::Arc;
@@ -52,7 +52,7 @@ impl OrbitingGas {
         OrbitingGas { brightness: self.brightness * factor.max(0.0), ..self.clone() }
     }
 
-    /// The radiance of a place.
+    /// The radiance of a position.
     ///
     /// * `p`: world space
     /// * `leaving`: unit direction in which the light goes, as somebody at rest sees it; of none it is that in the frame of the gas
@@ -81,7 +81,7 @@ impl OrbitingGas {
         self.bodies.at(temperature * far_away, wavelengths) * (self.brightness / bolometric as f32)
     }
 
-    /// About what a place gives on average.
+    /// About what a position gives on average.
     pub fn mean(&self) -> Emission {
         // The mean over the rings up to four times the radius of the hottest one, as seen by the gas.
         const RINGS: u16 = 64;

@@ -16,7 +16,7 @@ use kajo_math::{DAffine3, DVec2, DVec3, Motion, Vec2, Vec3};
 
 use super::{Census, Draw, Furnace, Who, kinds};
 use crate::camera::tests::every_camera;
-use crate::camera::{Camera, FisheyeCamera, FisheyeProjection, Frame, MovingCamera};
+use crate::camera::{Camera, CameraFrame, FisheyeCamera, FisheyeProjection, MovingCamera};
 use crate::motion::{MovingTransform, Shutter};
 
 kinds!(Camera: Orthographic, Perspective, Panorama, Fisheye, StereoCubemap, Moving);
@@ -41,7 +41,7 @@ fn who(camera: &Camera, number: usize) -> Who {
     Who { family: "camera", kind: kind(camera), name: format!("number {number}") }
 }
 
-fn frame(camera: &Camera) -> Frame {
+fn frame(camera: &Camera) -> CameraFrame {
     match camera {
         Camera::Orthographic(camera) => camera.frame,
         Camera::Perspective(camera) => *camera.frame(),
@@ -151,7 +151,7 @@ fn fisheye_pdf(camera: &FisheyeCamera, w: Vec3) -> f32 {
 }
 
 /// Width and height of a plane across the view at a distance, somewhat more than the camera sees of it.
-fn seen_across(camera: &Camera, frame: &Frame, distance: f64) -> [f64; 2] {
+fn seen_across(camera: &Camera, frame: &CameraFrame, distance: f64) -> [f64; 2] {
     let corners = [-1.0, 1.0].into_iter().flat_map(|x| [-1.0, 1.0].map(|y| Vec2::new(x, y)));
     let lens = |i: u32| Vec2::new((i % 8) as f32, (i / 8) as f32) / 8.0;
     let rays = corners.flat_map(|at| (0..64).filter_map(move |i| camera.ray(at, ASPECT, lens(i), 0.0)));

@@ -13,7 +13,7 @@ use crate::bsdf::{Bsdf, Phong, Transport, microfacet::NormalDistribution};
 use crate::material::{
     Appearance, Blend, BtfMaterial, BtfSettings, Embossed, Glass, GlassSettings, Grain, LayeredMaterial,
     Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, Perforated, PhongMaterial, Relief,
-    ShadingPoint, Specular, Substance, SubsurfaceBody,
+    ShadingPoint, SpecularLayer, Substance, SubsurfaceBody,
 };
 use crate::measured::btf::tests::cloth_texture;
 use crate::measured::{MeasuredBrdf, merl};
@@ -84,7 +84,7 @@ fn white_layers() -> Layers {
     let white = ColorTexture::from(Reflectance::constant(1.0));
     Layers {
         color: white.clone(),
-        specular: Specular::Factor(white.clone()),
+        specular: SpecularLayer::Factor(white.clone()),
         metalness: 0.3.into(),
         transmission: 0.4.into(),
         absorption: [0.0; 3],
@@ -142,9 +142,9 @@ fn made() -> Samples {
     all.add("layers with a frosted pane", true, LayeredMaterial::from(thin()));
     let polished = Layers { roughness: 0.1.into(), ..thin() };
     all.add("layers with a pane", true, LayeredMaterial::from(polished));
-    let rims = Specular::F0 { factor: white().into(), scale: 3.0, weight: 1.0.into() };
+    let rims = SpecularLayer::F0 { factor: white().into(), scale: 3.0, weight: 1.0.into() };
     all.add("bright gloss", true, LayeredMaterial::from(Layers { specular: rims, ..white_layers() }));
-    let rims = Specular::F0 {
+    let rims = SpecularLayer::F0 {
         factor: Reflectance::from_rgb([1.0, 0.2, 0.0]).into(),
         scale: 1.0,
         weight: 0.7.into(),

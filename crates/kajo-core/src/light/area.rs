@@ -3,7 +3,7 @@
 //! Such a light exists for each patch of every object whose material has an `emission`; it is not written on its
 //! own. The power of one side is `pi A L`.
 //!
-//! Where the radiance differs over the patch, places are drawn by it: see `emission_density.rs`. A patch that moves is sampled
+//! Where the radiance differs over the patch, positions are drawn by it: see `emission_density.rs`. A patch that moves is sampled
 //! where it is at the time of the receiver's ray, and its density is that of the moved patch.
 
 use std::f32::consts::PI;
@@ -69,7 +69,7 @@ pub struct AreaLight {
     pub emission: Emission,
     /// Where the radiance differs over the patch: what [`EmissiveSurfaces::radiance`] is to evaluate.
     pub varied: Option<VariedEmissionId>,
-    /// What places are then drawn by; absent where they are as good as alike.
+    /// What positions are then drawn by; absent where they are as good as alike.
     pub density: Option<Box<EmissionDensity>>,
     /// Which sides give light.
     pub sides: Sides,

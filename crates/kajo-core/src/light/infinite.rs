@@ -2,7 +2,7 @@
 //!
 //! What they send to a receiver is known but for what is in the way, which may be everything: in a room the sun is the
 //! strongest light by far and not seen. So the background, all directional lights together, and the tree of lights that have a
-//! place are chosen in proportion to the roots of the irradiances that they are estimated to make at the receiver; so are directional
+//! position are chosen in proportion to the roots of the irradiances that they are estimated to make at the receiver; so are directional
 //! lights among themselves. Of two lights whose irradiances have the ratio `r` the variance is then at most an eighth larger than
 //! with choices in proportion where both are seen, and where the stronger one is hidden it grows by the factor `1 + sqrt r`, not
 //! `1 + r`.

@@ -39,7 +39,7 @@ pub use sample::{
 };
 pub use sampler::LightSampler;
 pub use sky::SkyLight;
-pub use spot::{Cone, SpotLight};
+pub use spot::{SpotCone, SpotLight};
 pub use tree::{LightBounds, LightChoice, LightTree};
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
@@ -135,7 +135,7 @@ pub trait Emitter {
     fn bounds(&self) -> Option<LightBounds>;
 
     /// The irradiance that light from infinitely far away makes on a surface, the mean over all that its normal may be, as a luminance:
-    /// a quarter of the integral of its radiance over all directions. 0 for a light that has a place.
+    /// a quarter of the integral of its radiance over all directions. 0 for a light that has a position.
     fn irradiance(&self) -> f32 {
         0.0
     }

@@ -30,22 +30,22 @@ pub struct SpotLight {
     /// Unit direction of the axis, away from the light.
     pub axis: Vec3,
     /// Where it shines.
-    pub cone: Cone,
+    pub cone: SpotCone,
 }
 
 /// A cone with a soft edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cone {
+pub struct SpotCone {
     /// `1 - cos` of the half angle within which light is full.
     pub inner: f32,
     /// `1 - cos` of the half angle beyond which there is none; at least `inner`.
     pub outer: f32,
 }
 
-impl Cone {
+impl SpotCone {
     /// The cone of these half angles in radians, of which the first is not the larger one.
-    pub fn new(inner: f32, outer: f32) -> Cone {
-        Cone { inner: fmath::one_minus_cos(inner), outer: fmath::one_minus_cos(outer) }
+    pub fn new(inner: f32, outer: f32) -> SpotCone {
+        SpotCone { inner: fmath::one_minus_cos(inner), outer: fmath::one_minus_cos(outer) }
     }
 
     /// The power of a light in the cone over that of one as bright in all directions.
@@ -155,7 +155,7 @@ mod tests {
             emission: Emission::from_rgb([1.0; 3]),
             attenuation: [0.0, 0.0, 1.0],
         };
-        SpotLight { point, axis: Vec3::NEG_Y, cone: Cone::new(inner.to_radians(), outer.to_radians()) }
+        SpotLight { point, axis: Vec3::NEG_Y, cone: SpotCone::new(inner.to_radians(), outer.to_radians()) }
     }
 
     /// A direction by the cosine of its angle with the axis.

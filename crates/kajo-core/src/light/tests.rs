@@ -55,7 +55,7 @@ fn draw(i: u32) -> Vec2 {
     Vec2::new(stream.uniform(0), stream.uniform(1))
 }
 
-/// Irradiance of unit radiance from both sides of a piece, and the standard error of its estimate.
+/// Irradiance of unit radiance from both sides of a patch, and the standard error of its estimate.
 fn irradiance(patch: &Patch, from: Vec3, n: Vec3, samples: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..samples {
@@ -268,7 +268,7 @@ fn spots_send_their_profile_at_every_angle() {
         emission: Emission::from_rgb([3.0; 3]),
         attenuation: [0.0, 0.0, 1.0],
     };
-    let cone = Cone::new(15f32.to_radians(), 35f32.to_radians());
+    let cone = SpotCone::new(15f32.to_radians(), 35f32.to_radians());
     let spot = SpotLight { point, axis: Vec3::NEG_Y, cone };
     for i in 0..20 {
         let angle = 2.0 * f64::from(i) + 0.5;

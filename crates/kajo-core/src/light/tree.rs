@@ -1,4 +1,4 @@
-//! The choice of one light among many that have a place.
+//! The choice of one light among many that have a position.
 //!
 //! A binary tree over the lights; a walk from the root goes to each child with a probability proportional to a bound on what it
 //! can send to the receiver,
@@ -22,13 +22,13 @@ use crate::ids::LightIndex;
 /// Where a light or a group of them is, where it shines and how strong it is.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {
-    /// A box around the places that light comes from.
+    /// A box around the positions that light comes from.
     pub bounds: Aabb,
     /// The middle of the axes around which light leaves.
     pub axis: Vec3,
     /// Cosine of the largest angle between `axis` and the axes.
     pub cos_spread: f32,
-    /// Cosine of the largest angle between a place's own axis and the light that leaves it.
+    /// Cosine of the largest angle between a position's own axis and the light that leaves it.
     pub cos_reach: f32,
     /// Whether light leaves against the axes as well.
     pub two_sided: bool,
@@ -54,7 +54,7 @@ impl LightChoice {
         [("tree", LightChoice::Tree), ("uniform", LightChoice::Uniform)];
 }
 
-/// The lights of a scene that have a place, ready to be chosen from.
+/// The lights of a scene that have a position, ready to be chosen from.
 #[derive(Debug, Default)]
 pub struct LightTree {
     /// Of inner node `i` the first child is `i + 1`.
@@ -78,7 +78,7 @@ enum NodeContent {
     Leaf(LightIndex),
 }
 
-/// A light that has a place, and its bounds.
+/// A light that has a position, and its bounds.
 #[derive(Clone, Copy, Debug)]
 struct PlacedLight {
     light: LightIndex,

@@ -29,7 +29,7 @@ pub use null_boundary::NullBoundary;
 pub use orientation::{Grain, Lean, Orientation};
 pub use perforated::Perforated;
 pub use phong::{PhongMaterial, PhongTextures};
-pub use principled::{LayeredMaterial, Layers, Specular, SubsurfaceBody};
+pub use principled::{LayeredMaterial, Layers, SpecularLayer, SubsurfaceBody};
 
 use kajo_color::{Spectrum, Wavelengths};
 

@@ -26,7 +26,7 @@ const LEAST_PASSED: f32 = 1e-30;
 
 /// How the gloss of a diffuse base differs from that of its index of refraction; see [`bsdf::Specular`].
 #[derive(Clone, Debug)]
-pub enum Specular {
+pub enum SpecularLayer {
     /// A factor at every angle.
     Factor(ColorTexture),
     /// A factor at normal incidence.
@@ -40,26 +40,26 @@ pub enum Specular {
     },
 }
 
-impl Default for Specular {
+impl Default for SpecularLayer {
     /// No difference.
-    fn default() -> Specular {
-        Specular::Factor(Reflectance::constant(1.0).into())
+    fn default() -> SpecularLayer {
+        SpecularLayer::Factor(Reflectance::constant(1.0).into())
     }
 }
 
-impl Specular {
+impl SpecularLayer {
     fn varies(&self) -> bool {
         match self {
-            Specular::Factor(color) => color.varies(),
-            Specular::F0 { factor, weight, .. } => factor.varies() || weight.varies(),
+            SpecularLayer::Factor(color) => color.varies(),
+            SpecularLayer::F0 { factor, weight, .. } => factor.varies() || weight.varies(),
         }
     }
 
     /// Its textures; whether what else it has is finite.
     fn textures(&self) -> (Vec<AnyTexture<'_>>, bool) {
         match self {
-            Specular::Factor(color) => (vec![color.into()], true),
-            Specular::F0 { factor, scale, weight } => {
+            SpecularLayer::Factor(color) => (vec![color.into()], true),
+            SpecularLayer::F0 { factor, scale, weight } => {
                 (vec![factor.into(), (*weight).into()], scale.is_finite())
             }
         }
@@ -67,8 +67,8 @@ impl Specular {
 
     fn at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> bsdf::Specular {
         match self {
-            Specular::Factor(color) => bsdf::Specular::Factor(color.at(place, wavelengths)),
-            &Specular::F0 { ref factor, scale, ref weight } => bsdf::Specular::F0 {
+            SpecularLayer::Factor(color) => bsdf::Specular::Factor(color.at(place, wavelengths)),
+            &SpecularLayer::F0 { ref factor, scale, ref weight } => bsdf::Specular::F0 {
                 factor: factor.at(place, wavelengths) * scale,
                 // Of the colour, so that it does not depend on the wavelengths of a path.
                 largest: factor.rgb(place).max_lane() * scale,
@@ -98,7 +98,7 @@ pub struct Layers {
     /// Albedo of the diffuse base, of the metal straight on, and factor of light that enters or leaves the glass.
     pub color: ColorTexture,
     /// What differs in glossy reflection.
-    pub specular: Specular,
+    pub specular: SpecularLayer,
     /// Share of metal.
     pub metalness: FloatTexture,
     /// Share of glass in what is not metal.
@@ -145,7 +145,7 @@ impl Default for Layers {
         let grey = |value: f32| ColorTexture::from(Reflectance::constant(value));
         Layers {
             color: grey(0.8),
-            specular: Specular::default(),
+            specular: SpecularLayer::default(),
             metalness: 0.0.into(),
             transmission: 0.0.into(),
             absorption: [0.0; 3],

@@ -19,7 +19,7 @@ use kajo_color::{illuminant, observer, sensor};
 use kajo_math::{Vec2, Vec3, fmath};
 
 use super::tensor_file::{Tensor, tensors};
-use super::warp::{Grid, Parameters, Slices, Warp, bracket};
+use super::warp::{Parameters, Slices, Warp, WarpGrid, bracket};
 
 /// A BRDF of that form.
 #[derive(Clone)]
@@ -31,13 +31,13 @@ pub struct RglBrdf {
     symmetry: u32,
     /// Whether `r` is to be multiplied by the model of facets.
     has_facets: bool,
-    ndf: Grid,
-    sigma: Grid,
+    ndf: WarpGrid,
+    sigma: WarpGrid,
     vndf: Warp,
     luminance: Warp,
-    rgb: Grid,
+    rgb: WarpGrid,
     /// Wavelengths in nm, and `r` at each.
-    spectra: Option<(Vec<f32>, Grid)>,
+    spectra: Option<(Vec<f32>, WarpGrid)>,
 }
 
 /// A pair of directions as the tables have it.
@@ -107,7 +107,7 @@ impl RglBrdf {
             let (shape, values) = field(&fields, name, &[0, 0])?;
             let size = [shape[1], shape[0]];
             sides(name, size)?;
-            Ok::<Grid, String>(Grid::new(size, 1, values))
+            Ok::<WarpGrid, String>(WarpGrid::new(size, 1, values))
         };
         let warp = |name: &str| {
             let (shape, values) = field(&fields, name, &[n_phi, n_theta, 0, 0])?;
@@ -121,16 +121,16 @@ impl RglBrdf {
             false => None,
         };
         let rgb = match &spectra {
-            Some((wavelengths, size, values)) => Grid::new(*size, 3, in_rgb(wavelengths, *size, values)),
+            Some((wavelengths, size, values)) => WarpGrid::new(*size, 3, in_rgb(wavelengths, *size, values)),
             None => {
                 let (shape, values) = field(&fields, "rgb", &[n_phi, n_theta, 3, 0, 0])?;
                 let size = [shape[4], shape[3]];
                 sides("rgb", size)?;
-                Grid::new(size, 3, values)
+                WarpGrid::new(size, 3, values)
             }
         };
         let spectra = spectra.map(|(wavelengths, size, values)| {
-            (wavelengths.clone(), Grid::new(size, wavelengths.len(), values))
+            (wavelengths.clone(), WarpGrid::new(size, wavelengths.len(), values))
         });
         let range = phis[n_phi - 1] - phis[0];
         let is_isotropic = n_phi <= 2;
@@ -243,7 +243,7 @@ impl RglBrdf {
     pub fn bytes(&self) -> usize {
         let grids =
             [Some(&self.ndf), Some(&self.sigma), Some(&self.rgb), self.spectra.as_ref().map(|s| &s.1)];
-        let grids: usize = grids.into_iter().flatten().map(Grid::bytes).sum();
+        let grids: usize = grids.into_iter().flatten().map(WarpGrid::bytes).sum();
         grids + self.vndf.bytes() + self.luminance.bytes()
     }
 }

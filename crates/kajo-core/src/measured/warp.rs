@@ -10,7 +10,7 @@ pub type Slices = [(usize, f32); 4];
 
 /// A function, or several of the same parameters.
 #[derive(Clone)]
-pub struct Grid {
+pub struct WarpGrid {
     /// Nodes along x and y.
     size: [usize; 2],
     /// Functions of each slice.
@@ -53,10 +53,10 @@ pub fn bracket(nodes: &[f32], x: f32) -> (usize, f32) {
     (above - 1, (x - low) / (high - low))
 }
 
-impl Grid {
+impl WarpGrid {
     /// * `data`: `[slice][channel][y][x]`; each side has at least two nodes
-    pub fn new(size: [usize; 2], channels: usize, data: Vec<f32>) -> Grid {
-        Grid { size, channels, data }
+    pub fn new(size: [usize; 2], channels: usize, data: Vec<f32>) -> WarpGrid {
+        WarpGrid { size, channels, data }
     }
 
     /// The cell of a point of the unit square along an axis, and where in it.
@@ -91,7 +91,7 @@ impl Grid {
 /// Densities over the unit square, each slice with the integral 1.
 #[derive(Clone)]
 pub struct Warp {
-    grid: Grid,
+    grid: WarpGrid,
     /// Integral over each row: `[slice][y]`.
     rows: Vec<f32>,
     /// Integral of `rows` up to each: `[slice][y]`.
@@ -125,7 +125,7 @@ impl Warp {
             rows.extend(own.iter().map(|&v| v as f32));
             marginal.extend(sums_of(own.into_iter()).iter().map(|&v| v as f32));
         }
-        Some(Warp { grid: Grid::new(size, 1, data), rows, marginal, conditional })
+        Some(Warp { grid: WarpGrid::new(size, 1, data), rows, marginal, conditional })
     }
 
     /// The density at a point.

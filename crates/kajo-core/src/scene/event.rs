@@ -7,19 +7,19 @@ use crate::material::MaterialId;
 
 /// What becomes of a ray.
 #[derive(Clone, Copy, Debug)]
-pub enum Event {
+pub enum RayEvent {
     /// It meets a surface.
     Surface(Interaction),
     /// It leaves the scene.
     Escaped,
 }
 
-impl Event {
+impl RayEvent {
     /// Where it meets a surface.
     pub fn surface(&self) -> Option<&Interaction> {
         match self {
-            Event::Surface(at) => Some(at),
-            Event::Escaped => None,
+            RayEvent::Surface(at) => Some(at),
+            RayEvent::Escaped => None,
         }
     }
 }

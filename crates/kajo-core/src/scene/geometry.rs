@@ -140,10 +140,10 @@ impl Geometry {
         self.aggregate.nested().into_iter().flat_map(|nested| nested.placement_bounds(&self.shapes))
     }
 
-    /// What stands in nested instances, which [`Geometry::primitives`] does not hold, in pieces.
+    /// What stands in nested instances, which [`Geometry::primitives`] does not hold, in elements.
     ///
     /// * `cost`: of showing a shape; a box costs 12
-    /// * `budget`: what the pieces may cost together. The largest instances are taken apart first, and what is left is
+    /// * `budget`: what the elements may cost together. The largest instances are taken apart first, and what is left is
     ///   boxes; of more than a twelfth of the budget some are left out
     pub fn nested_elements(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedElement> {
         let first = self.first_nested();

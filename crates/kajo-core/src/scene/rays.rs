@@ -5,7 +5,7 @@
 use kajo_math::Ray;
 
 use super::accel::{Aggregate, ClosestQuery, Visitor};
-use super::{Event, Interaction, Primitive, Scene, rarely};
+use super::{Interaction, Primitive, RayEvent, Scene, rarely};
 use crate::family::Pooled;
 use crate::ids::{ObjectId, PoseId};
 use crate::interaction::Hit;
@@ -18,21 +18,21 @@ impl Scene {
     ///
     /// Of surfaces at the same distance the one that stands first in the file is met.
     #[inline]
-    pub fn trace(&self, ray: &Ray) -> Event {
+    pub fn trace(&self, ray: &Ray) -> RayEvent {
         self.trace_from(None, ray)
     }
 
     /// [`Scene::trace`] for a ray that starts at the apex of a buffer, which makes it faster.
     #[inline]
-    pub fn trace_from(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> Event {
+    pub fn trace_from(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> RayEvent {
         let mut at = Interaction::default();
-        if self.trace_into(apex, ray, &mut at) { Event::Surface(at) } else { Event::Escaped }
+        if self.trace_into(apex, ray, &mut at) { RayEvent::Surface(at) } else { RayEvent::Escaped }
     }
 
     /// [`Scene::trace_from`] for the innermost loops: writes where the ray ends into `at`, or returns `false` and
     /// leaves something in it.
     ///
-    /// An [`Event`] is copied twice right after it was written, field by field, which processors are slow at.
+    /// An [`RayEvent`] is copied twice right after it was written, field by field, which processors are slow at.
     #[inline]
     pub fn trace_into(&self, apex: Option<&ItemBuffer>, ray: &Ray, at: &mut Interaction) -> bool {
         if !self.closest(apex, ray, at) {

@@ -23,7 +23,7 @@ use std::collections::HashMap;
 
 use kajo_bvh::BuildSettings;
 use kajo_color::{Spectrum, Wavelengths};
-use kajo_math::lorentz::{Event, FrameMap};
+use kajo_math::lorentz::{FrameMap, SpacetimeEvent};
 use kajo_math::{DAffine3, DVec3, Ray, Transform, Vec3};
 
 use super::accel::Aggregate;
@@ -156,7 +156,7 @@ impl Relativity {
     }
 
     /// The coordinates in one frame of an event of another.
-    pub fn event(&self, event: Event, from: FrameId, to: FrameId) -> Event {
+    pub fn event(&self, event: SpacetimeEvent, from: FrameId, to: FrameId) -> SpacetimeEvent {
         if from == to {
             return event;
         }
@@ -177,7 +177,7 @@ impl Relativity {
         if light.frame == to {
             return *light;
         }
-        let start = self.event(Event { t: light.t, x: light.ray.o.as_dvec3() }, light.frame, to);
+        let start = self.event(SpacetimeEvent { t: light.t, x: light.ray.o.as_dvec3() }, light.frame, to);
         let d = self.light(light.ray.d.as_dvec3(), light.frame, to);
         LightRay { frame: to, ray: Ray { o: start.x.as_vec3(), d: d.as_vec3(), ..light.ray }, t: start.t }
     }
@@ -190,11 +190,11 @@ impl Relativity {
     pub fn observed(&self, ray: &Ray, pivot: Vec3) -> LightRay {
         let Observer { velocity, time } = self.observer;
         let pivot = pivot.as_dvec3();
-        let start = Event { t: 0.0, x: pivot };
+        let start = SpacetimeEvent { t: 0.0, x: pivot };
         let map = FrameMap::boost(velocity, start).unwrap_or(FrameMap::IDENTITY);
         let back = map.inverse();
         // All rays begin at one moment of the camera's own time, when it is `time` in the world at its own place.
-        let event = back.event(Event { t: time / map.gamma(), x: ray.o.as_dvec3() });
+        let event = back.event(SpacetimeEvent { t: time / map.gamma(), x: ray.o.as_dvec3() });
         let d = back.light(ray.d.as_dvec3());
         let ray = Ray { o: event.x.as_vec3(), d: d.as_vec3(), ..*ray };
         LightRay { frame: FrameId::WORLD, ray, t: event.t }

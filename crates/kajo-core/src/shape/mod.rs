@@ -149,7 +149,7 @@ pub trait Surface: Sized {
         false
     }
 
-    /// The pieces that the surface consists of with their parts, for surfaces that give light; none for
+    /// The patches that the surface consists of with their parts, for surfaces that give light; none for
     /// unbounded ones. What has no closed form is a [`TracedPatch`].
     fn patches<F: FnMut(u32, Patch)>(&self, _visit: F) {}
 

@@ -1,6 +1,6 @@
 //! Emissive patches of surface in world space, and how a point samples a position on them.
 //!
-//! Flat pieces and spheres are drawn uniformly over the solid angle they fill, so that the estimate of
+//! Flat patches and spheres are drawn uniformly over the solid angle they fill, so that the estimate of
 //! unobstructed light has no variance but the cosine's; ellipses, cones and what is seen too small or from too
 //! near are drawn uniformly over the area, and what has no closed form is met by rays. Every density given out is per solid angle at the receiver,
 //!
@@ -28,18 +28,18 @@ use super::triangle_error;
 /// Below this solid angle area and direction differ by nothing that shows, and the area has more digits.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-5;
 
-/// Where the squared extent of a flat piece is below this share of the squared distance, its solid angle and its area
+/// Where the squared extent of a flat patch is below this share of the squared distance, its solid angle and its area
 /// are all but proportional, and the area costs less.
 const FAR: f64 = 0.4;
 
-/// Nearly a hemisphere: the receiver lies in the plane of the piece.
+/// Nearly a hemisphere: the receiver lies in the plane of the patch.
 const LARGEST_SOLID_ANGLE: f64 = 0.9995 * TAU;
 
 /// A receiver whose squared distance from the centre of a sphere differs by less than this factor from the squared
 /// radius is on the sphere, where area is what to draw by: rounding must not decide what it sees.
 const ON_SPHERE: f64 = 1.001;
 
-/// A piece of surface.
+/// A patch of surface.
 #[derive(Clone, Debug)]
 pub enum Patch {
     /// A triangle.
@@ -108,10 +108,10 @@ pub struct CurvedPatch {
     area: f64,
 }
 
-/// A place on a piece, drawn for a receiver.
+/// A position on a patch, drawn for a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchSample {
-    /// The place.
+    /// The position.
     pub p: Vec3,
     /// Bound on the error of each of its coordinates.
     pub p_error: Vec3,
@@ -121,10 +121,10 @@ pub struct PatchSample {
     pub pdf: f32,
 }
 
-/// A place drawn for a receiver, and the way there.
+/// A position drawn for a receiver, and the way there.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchWay {
-    /// The place, its density per solid angle at the receiver.
+    /// The position, its density per solid angle at the receiver.
     pub at: PatchSample,
     /// Unit direction from the receiver to it.
     pub wi: Vec3,
@@ -136,7 +136,7 @@ impl Patch {
         Rectangle::new(corner, edges).map_or(Patch::Quad(QuadPatch { corner, edges }), Patch::Rectangle)
     }
 
-    /// The image of this piece under an affine map; `None` where it would have no area.
+    /// The image of this patch under an affine map; `None` where it would have no area.
     pub fn transformed(&self, m: &DAffine3) -> Option<Patch> {
         let flips = m.matrix3.determinant() < 0.0;
         Some(match self {
@@ -204,7 +204,7 @@ impl Patch {
         }
     }
 
-    /// A box around the piece.
+    /// A box around the patch.
     pub fn bounds(&self) -> Aabb {
         let single = |p: DVec3| p.as_vec3();
         let around =
@@ -237,7 +237,7 @@ impl Patch {
         }
     }
 
-    /// A place drawn for the receiver `from`, its density per solid angle there.
+    /// A position drawn for the receiver `from`, its density per solid angle there.
     #[inline]
     pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
         let o = from.as_dvec3();
@@ -252,7 +252,7 @@ impl Patch {
         }
     }
 
-    /// Density per solid angle at `from` with which [`Patch::sample`] draws the place `p` of this piece.
+    /// Density per solid angle at `from` with which [`Patch::sample`] draws the position `p` of this patch.
     ///
     /// * `n`: unit geometric normal at `p`
     #[inline]
@@ -266,7 +266,7 @@ impl Patch {
         }
     }
 
-    /// A place drawn for nobody, its density per area; `None` for traced surfaces, see [`PlacedPatch::traced`].
+    /// A position drawn for nobody, its density per area; `None` for traced surfaces, see [`PlacedPatch::traced`].
     pub fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
         let (x, y) = (f64::from(u.x), f64::from(u.y));
         let p = match self {
@@ -281,7 +281,7 @@ impl Patch {
         (pdf.is_finite() && pdf > 0.0).then(|| self.sample_at(p, pdf))
     }
 
-    /// Density per area with which [`Patch::sample_area`] draws the place `p`.
+    /// Density per area with which [`Patch::sample_area`] draws the position `p`.
     pub fn pdf_area(&self, p: Vec3) -> f32 {
         match self {
             Patch::Curved(curved) => curved.pdf_area(p.as_dvec3()) as f32,
@@ -290,7 +290,7 @@ impl Patch {
         }
     }
 
-    /// How the piece is seen from `o`, where it is drawn by solid angle.
+    /// How the patch is seen from `o`, where it is drawn by solid angle.
     fn view(&self, o: DVec3) -> Option<SphericalProjection> {
         if self.is_far_from(o) {
             return None;
@@ -321,13 +321,13 @@ impl Patch {
         usable.then_some(view)
     }
 
-    /// Whether [`Patch::sample`] draws places by area for the receiver `from`, as far as can be told by its distance.
+    /// Whether [`Patch::sample`] draws positions by area for the receiver `from`, as far as can be told by its distance.
     #[inline]
     pub fn is_drawn_by_area(&self, from: Vec3) -> bool {
         matches!(self, Patch::Disk(_) | Patch::Curved(_)) || self.is_far_from(from.as_dvec3())
     }
 
-    /// Whether a flat piece is seen as if from infinitely far.
+    /// Whether a flat patch is seen as if from infinitely far.
     #[inline]
     fn is_far_from(&self, o: DVec3) -> bool {
         let (middle, extent2) = match self {
@@ -354,7 +354,7 @@ impl Patch {
         Some(center + radius * (p - center).normalize_or(DVec3::Z))
     }
 
-    /// A place with its normal and the bound on its error.
+    /// A position with its normal and the bound on its error.
     fn sample_at(&self, p: DVec3, pdf: f32) -> PatchSample {
         let n = match self {
             Patch::Sphere { center, .. } => (p - center).normalize_or(DVec3::Z),
@@ -368,7 +368,7 @@ impl Patch {
         PatchSample { p: single, p_error, n: n.as_vec3(), pdf }
     }
 
-    /// The size of the coordinates that a place is put together from.
+    /// The size of the coordinates that a position is put together from.
     fn reach(&self) -> Vec3 {
         match self {
             Patch::Triangle([a, b, c]) => a.abs().max(b.abs()).max(c.abs()).as_vec3(),
@@ -397,7 +397,7 @@ fn mapped(m: &DAffine3, corner: DVec3, edges: [DVec3; 2], flips: bool) -> Patch 
 }
 
 impl PatchSample {
-    /// A place drawn by area, as the receiver `from` has it; `None` where it is seen edge on.
+    /// A position drawn by area, as the receiver `from` has it; `None` where it is seen edge on.
     #[inline]
     pub(crate) fn seen_from(self, from: Vec3) -> Option<PatchWay> {
         let (pdf, wi) = seen_from(self.pdf, from, self.p, self.n)?;
@@ -405,7 +405,7 @@ impl PatchSample {
     }
 }
 
-/// Density per solid angle at `from` of a density per area at `p`; `None` where the place is seen edge on.
+/// Density per solid angle at `from` of a density per area at `p`; `None` where the position is seen edge on.
 #[inline]
 pub(crate) fn per_solid_angle(pdf_area: f32, from: Vec3, p: Vec3, n: Vec3) -> Option<f32> {
     seen_from(pdf_area, from, p, n).map(|(pdf, _)| pdf)
@@ -443,7 +443,7 @@ impl SphericalProjection {
         }
     }
 
-    /// A place of `patch` whose direction from `o` is uniform over the view.
+    /// A position of `patch` whose direction from `o` is uniform over the view.
     fn sample(&self, o: DVec3, u: Vec2, patch: &Patch) -> Option<DVec3> {
         match self {
             SphericalProjection::Triangle(view) => onto_plane(o, view.sample(u), patch),
@@ -460,12 +460,12 @@ impl SphericalProjection {
     }
 }
 
-/// Where the ray from `o` along `d` meets the plane of a flat piece.
+/// Where the ray from `o` along `d` meets the plane of a flat patch.
 fn onto_plane(o: DVec3, d: DVec3, patch: &Patch) -> Option<DVec3> {
     let corner = match patch {
         Patch::Triangle([a, ..]) => *a,
         Patch::Quad(quad) => quad.corner,
-        // Rectangles and round pieces have their points at once.
+        // Rectangles and round patches have their points at once.
         _ => return None,
     };
     let n = patch.normal()?;
@@ -510,7 +510,7 @@ impl CurvedPatch {
         }
     }
 
-    /// A place of the canonical surface, uniform over its area.
+    /// A position of the canonical surface, uniform over its area.
     fn canonical(&self, x: f64, y: f64) -> DVec3 {
         match self.surface {
             Canonical::Sphere => on_unit_sphere(x, y),
@@ -556,7 +556,7 @@ impl CurvedPatch {
         }
     }
 
-    /// How much area the map makes of area at a place of the canonical surface.
+    /// How much area the map makes of area at a position of the canonical surface.
     fn stretch(&self, q: DVec3) -> f64 {
         let normal = self.inverse.matrix3.transpose() * self.canonical_normal(q);
         self.map.matrix3.determinant().abs() * normal.length()
@@ -593,7 +593,7 @@ impl CurvedPatch {
     }
 }
 
-/// A place on the unit sphere, uniform over it.
+/// A position on the unit sphere, uniform over it.
 fn on_unit_sphere(x: f64, y: f64) -> DVec3 {
     let z = 1.0 - 2.0 * x;
     let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * y);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kajo_core::scene::{Event, Scene};
+use kajo_core::scene::{RayEvent, Scene};
 use kajo_math::Ray;
 
 use super::*;
@@ -66,8 +66,8 @@ fn distances(scene: &Scene, map: &DAffine3) -> Vec<f32> {
         Ray { t_max: f32::INFINITY, ..Ray::new(o.as_vec3(), d.as_vec3()) }
     };
     let mut distance = move || match scene.trace(&ray()) {
-        Event::Surface(at) => at.hit.t,
-        Event::Escaped => -1.0,
+        RayEvent::Surface(at) => at.hit.t,
+        RayEvent::Escaped => -1.0,
     };
     (0..600).map(|_| distance()).collect()
 }

@@ -58,7 +58,7 @@ fn tape_of(choices: &[(usize, usize, usize)]) -> Tape {
 }
 
 /// All places of a grid on an interval, its ends among them.
-fn places(range: Interval) -> impl Iterator<Item = f64> {
+fn positions(range: Interval) -> impl Iterator<Item = f64> {
     (0..=8).map(move |i| (range.lo + (range.hi - range.lo) * f64::from(i) / 8.0).min(range.hi))
 }
 
@@ -70,7 +70,7 @@ fn functions_of_one_number_stay_in_their_bounds() {
             for &hi in &ends[i..] {
                 let range = Interval::new(lo, hi);
                 let bounds = range.unary(function);
-                for x in places(range) {
+                for x in positions(range) {
                     let value = x.unary(function);
                     match bounds.domain {
                         Domain::Nowhere => {
@@ -154,8 +154,8 @@ proptest! {
         };
         let bounds: Dual<Interval, 2> = tape.at(&[dual(0), dual(1)], &mut Vec::new());
         let rough = tape.at(&ranges.map(Curvature::variable), &mut Vec::new());
-        for x in places(ranges[0]) {
-            for y in places(ranges[1]) {
+        for x in positions(ranges[0]) {
+            for y in positions(ranges[1]) {
                 let of = |value: f64, slopes: [f64; 2]| Dual { value, slopes };
                 let found = tape.at(&[of(x, [1.0, 0.0]), of(y, [0.0, 1.0])], &mut Vec::new());
                 let value = found.value;

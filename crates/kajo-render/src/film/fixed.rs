@@ -53,7 +53,7 @@ impl Weight {
 pub struct Term {
     /// The value is `mantissa` times a power of two.
     mantissa: i64,
-    /// Places by which `mantissa` times a weight's bits is shifted left to become a sum's bits.
+    /// Positions by which `mantissa` times a weight's bits is shifted left to become a sum's bits.
     shift: i32,
 }
 

@@ -24,7 +24,7 @@ pub struct FilmPart {
     spec: FilmSpec,
     reach: Option<Reach>,
     pub(crate) store: Store,
-    /// Light for other places.
+    /// Light for other positions.
     pub(crate) splats: Splats,
     /// Samples taken.
     pub(crate) samples: u64,
@@ -97,7 +97,7 @@ impl FilmPart {
 
     /// Adds sample `k` of pixel `(x, y)`, which lies in the tile.
     ///
-    /// * `offset`: place of the sample relative to the pixel's top left corner, as its sampler gave it
+    /// * `offset`: position of the sample relative to the pixel's top left corner, as its sampler gave it
     ///
     /// * `aux`: values for layers that have them from there
     ///
@@ -140,7 +140,7 @@ impl FilmPart {
     }
 }
 
-/// The pixels in the support of a filter around a place, and their weights.
+/// The pixels in the support of a filter around a position, and their weights.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Taps {
     /// Column and row of the first pixel.
@@ -148,7 +148,7 @@ pub(crate) struct Taps {
     columns: Vec<f32>,
     /// None when there are no columns: then the first pixel need not even be in the film.
     rows: Vec<f32>,
-    /// From the middle of the first pixel to the place.
+    /// From the middle of the first pixel to the position.
     from_first: Vec2,
 }
 
@@ -171,10 +171,10 @@ impl Taps {
         })
     }
 
-    /// Finds the pixels around a place.
+    /// Finds the pixels around a position.
     ///
     /// * `own`: the pixel whose cell they are confined to
-    /// * `offset`: the place relative to the top left corner of that pixel
+    /// * `offset`: the position relative to the top left corner of that pixel
     fn surround(&mut self, spec: &FilmSpec, own: [u32; 2], offset: Vec2, reach: Reach) {
         let cell = spec.cell_around(own[0], own[1]);
         let filter = &spec.filter;
@@ -190,17 +190,17 @@ impl Taps {
     }
 }
 
-/// The pixel that a place of the film lies in; `None` beside the picture.
+/// The pixel that a position of the film lies in; `None` beside the picture.
 ///
 /// * `raster`: in pixels from the top left corner
 pub(crate) fn pixel_at(spec: &FilmSpec, raster: Vec2) -> Option<[u32; 2]> {
     let inside = |at: f32, n: u32| at >= 0.0 && at < n as f32;
-    // Where the picture's width is no `f32`, the comparison lets one place too many through.
+    // Where the picture's width is no `f32`, the comparison lets one position too many through.
     (inside(raster.x, spec.width) && inside(raster.y, spec.height))
         .then(|| [(raster.x as u32).min(spec.width - 1), (raster.y as u32).min(spec.height - 1)])
 }
 
-/// Calls `add` with every pixel that light at a place of the film reaches, and its weight there; not at all
+/// Calls `add` with every pixel that light at a position of the film reaches, and its weight there; not at all
 /// beside the picture.
 ///
 /// * `raster`: in pixels from the top left corner
@@ -222,7 +222,7 @@ pub(crate) fn splat(spec: &FilmSpec, raster: Vec2, taps: &mut Taps, mut add: imp
 
 /// Weights of the pixels along one axis that a sample reaches, and the first of these pixels.
 ///
-/// * `offset`: place of the sample relative to the start of pixel `own`
+/// * `offset`: position of the sample relative to the start of pixel `own`
 /// * `cell`: the pixels it may reach
 /// * `reach`: how far before and after `own` these can lie at most
 fn taps(

@@ -34,7 +34,7 @@ impl Reach {
         Reach { side, below: side }
     }
 
-    /// How many pixels further on places with offsets in [0, extent) reach; supports are half-open.
+    /// How many pixels further on positions with offsets in [0, extent) reach; supports are half-open.
     fn beyond(extent: f32, radius: f32) -> i32 {
         (extent - 0.5 + radius).ceil() as i32 - 1
     }

@@ -28,7 +28,7 @@ fn film(spec: FilmSpec) -> Film {
     Film::new(spec, u64::MAX).expect("a sensible film")
 }
 
-/// A sample full of random values, a miss now and then, the same for the same place and index.
+/// A sample full of random values, a miss now and then, the same for the same position and index.
 fn random_sample(x: u32, y: u32, k: u32) -> PixelSample {
     let stream = Stream::new(99, [x, y], k);
     let u = |d| stream.uniform(d);
@@ -445,7 +445,7 @@ fn splats_beside_the_picture_are_lost_and_bad_ones_counted() {
     assert!(film.develop(Layer::Color).expect("colour").data().iter().all(|&v| v == 0.0));
 }
 
-/// Splats of random value at random places: a film, and the picture that many of them have on average.
+/// Splats of random value at random positions: a film, and the picture that many of them have on average.
 #[test]
 fn the_spread_of_splats_is_known() {
     const FILMS: u64 = 400;
@@ -507,7 +507,7 @@ fn units(spec: &FilmSpec, x: u32, y: u32, k: u32, n: u32) -> Vec<(Rect, std::ops
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Splitting by place and by sample range, and merging in any order, changes no bit.
+    /// Splitting by position and by sample range, and merging in any order, changes no bit.
     #[test]
     fn any_split_in_any_order_gives_the_same_bits(
         size in (1u32..40, 1u32..40),

@@ -1,4 +1,4 @@
-//! The camera's part of an integrator: rays through places of the picture, and what layers record of the first
+//! The camera's part of an integrator: rays through positions of the picture, and what layers record of the first
 //! surface.
 
 use kajo_color::{RgbBasis, Spectrum, WavelengthChoice, Wavelengths, sensor};
@@ -20,7 +20,7 @@ pub(super) struct CameraView<'a> {
     pub camera: &'a Camera,
     /// Columns and rows of the picture.
     pub size: [u32; 2],
-    /// How places of the picture are counted.
+    /// How positions of the picture are counted.
     film: Raster,
     layers: LayerSet,
     /// Whether rays need a time.
@@ -93,7 +93,7 @@ impl<'a> CameraView<'a> {
         }
     }
 
-    /// The camera ray through a place of the picture, in pixels from its top left corner; none where the camera
+    /// The camera ray through a position of the picture, in pixels from its top left corner; none where the camera
     /// shows nothing.
     ///
     /// Takes the dimensions of the lens and the time.
@@ -216,7 +216,7 @@ impl<'a> CameraView<'a> {
     /// Whether points can be connected with the camera, as far as that is not up to the camera.
     fn is_joined(&self) -> bool {
         // Samples that lie on the picture's corners cover more than the film, as do picture coordinates of other scales.
-        // Where rows open one after the other, a place seen at the moment of a path is not open then.
+        // Where rows open one after the other, a position seen at the moment of a path is not open then.
         let rolls = self.moves && self.scene.output.readout > 0.0;
         !self.film.corner_samples && self.film.scale() == 1.0 && !rolls
     }
@@ -254,7 +254,7 @@ impl<'a> CameraView<'a> {
     }
 }
 
-/// How a camera counts the places of a picture of this size.
+/// How a camera counts the positions of a picture of this size.
 fn raster(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Raster {
     let Rules { corner_samples, spans_width, .. } = scene.output.rules;
     Raster { size, corner_samples, spans_width: spans_width && camera.has_extent() }

@@ -25,7 +25,7 @@ fn scene(camera: &str, slab: &str) -> Scene {
     scene_with(&text, &MemoryAssets::new())
 }
 
-/// Compares the mean of many samples of a place of the picture with what is expected, for paths from the camera alone and
+/// Compares the mean of many samples of a position of the picture with what is expected, for paths from the camera alone and
 /// from both ends.
 #[track_caller]
 fn check(scene: &Scene, size: [u32; 2], place: Vec2, expected: f64) {

@@ -7,7 +7,7 @@ use kajo_color::Reflectance;
 use kajo_core::RayOffset;
 use kajo_core::background::Background;
 use kajo_core::builder::{SceneBuilder, SceneError};
-use kajo_core::camera::{Frame, PerspectiveCamera};
+use kajo_core::camera::{CameraFrame, PerspectiveCamera};
 use kajo_core::ids::PoseId;
 use kajo_core::material::{Matte, Perforated};
 use kajo_core::sampler::{Sampler, SamplerKind};
@@ -49,7 +49,7 @@ fn behind_holes(sheets: u32) -> Result<Scene, SceneError> {
         let sheet = scene.shape(Triangle { vertices, uvs: [Vec2::ZERO; 3] })?;
         scene.object(sheet, hole, PoseId::IDENTITY)?;
     }
-    let frame = Frame::new(8.0 * DVec3::Z, DVec3::NEG_Z, DVec3::Y);
+    let frame = CameraFrame::new(8.0 * DVec3::Z, DVec3::NEG_Z, DVec3::Y);
     scene.camera(PerspectiveCamera::new(frame, 0.3))?;
     scene.finish(Settings::default())
 }

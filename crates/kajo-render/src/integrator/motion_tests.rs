@@ -37,7 +37,7 @@ fn share(a: f64, b: f64) -> f64 {
 #[test]
 fn a_moving_bar_is_a_trapezoid_everywhere() {
     for (w, d) in [(0.5, 1.5), (1.2, 0.7), (1.0, 1.0)] {
-        // From -1.4 to the right; a place x is covered while -1.4 + d t <= x <= -1.4 + w + d t.
+        // From -1.4 to the right; a position x is covered while -1.4 + d t <= x <= -1.4 + w + d t.
         let bar =
             "Quad { corner -1.4 -2 0  edge1 1 0 0  edge2 0 4 0 }".replace("edge1 1", &format!("edge1 {w}"));
         let motion = |x: f64| format!("Motion {{ key 0 {{ }} key 1 {{ Translate {x} 0 0 }} }}");

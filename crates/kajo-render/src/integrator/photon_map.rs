@@ -1,11 +1,11 @@
 //! Photons in a tree.
 //!
-//! A photon is power `Φ` that came to a point of a surface from the direction `wi`. Its place takes 12 bytes, the direction and the
+//! A photon is power `Φ` that came to a point of a surface from the direction `wi`. Its position takes 12 bytes, the direction and the
 //! number of scatterings before 4, the normal and the axis of its node 2, four lanes of power with one exponent 6. Lanes are rounded
 //! up or down by the number of the photon, in turn, so that sums of many are not off by that.
 //!
 //! The tree is balanced and has no pointers [Jensen 2001, 5.1]: of a range of photons the middle one divides the rest along the
-//! axis in which they spread the widest; ranges of a few are searched as they stand. All orders are total, by place and then
+//! axis in which they spread the widest; ranges of a few are searched as they stand. All orders are total, by position and then
 //! by content, so that the same photons make the same tree however many threads build it, and each search meets them in
 //! the same order.
 
@@ -193,7 +193,7 @@ fn from_square(place: [u32; 2], bits: u32) -> Vec3 {
     Vec3::new(x, y, z).normalize()
 }
 
-/// Photons, to be found by place.
+/// Photons, to be found by position.
 #[derive(Debug, Default)]
 pub struct PhotonMap<P = Photon> {
     photons: Vec<P>,
@@ -201,7 +201,7 @@ pub struct PhotonMap<P = Photon> {
     most_r2: f32,
 }
 
-/// A place of a surface whose photons are wanted.
+/// A position of a surface whose photons are wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint {
     /// The point.
@@ -302,7 +302,7 @@ impl<P: Stored> PhotonMap<P> {
         self.photons.is_empty()
     }
 
-    /// Hands over the photons of a tangent disk of radius `r`, in an order that depends on the tree and the place alone.
+    /// Hands over the photons of a tangent disk of radius `r`, in an order that depends on the tree and the position alone.
     pub fn within(&self, point: &GatherPoint, r: f32, mut found: impl FnMut(&P)) {
         let r2 = r * r;
         self.search(point.p, r2, |_, d2, photon| {

@@ -19,7 +19,7 @@ pub struct IntegratorSpec {
     pub about: &'static str,
     /// What the numbers of its picture are.
     pub quantity: Quantity,
-    /// Whether it finds light for any place of the picture, and not only for the pixel that asks.
+    /// Whether it finds light for any position of the picture, and not only for the pixel that asks.
     pub splats: bool,
     /// Jittered samples of each pixel, unless others are asked for.
     pub samples: u32,

@@ -52,7 +52,7 @@ fn look(scene: &Scene, settings: ClassicSettings, x: f32, y: f32) -> ([f32; 3], 
     (sample.radiance, rays)
 }
 
-/// The sample of a pixel at a place, and the rays it took.
+/// The sample of a pixel at a position, and the rays it took.
 fn take(classic: &Classic<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, RayCounters) {
     let sampler = Sampler::new(SamplerKind::Regular, 1);
     let mut ctx = SampleContext::new(&sampler, 0);

@@ -269,7 +269,7 @@ impl<'a, I: PixelIntegrator + ?Sized> Pass<'a, I> {
         self.finished.iter().map(|word| word.load(Ordering::Relaxed)).collect()
     }
 
-    /// What the pass took, and the units that panicked, sorted by place.
+    /// What the pass took, and the units that panicked, sorted by position.
     pub fn finish(self) -> (RenderStats, Vec<FailedUnit>) {
         let outcome = self.outcome.into_inner().unwrap_or_else(PoisonError::into_inner);
         let Outcome { rays, mut failed, threads } = outcome;
@@ -288,7 +288,7 @@ pub(super) struct Done {
     pub finished: Vec<u64>,
     /// What it took.
     pub stats: RenderStats,
-    /// The units that panicked, sorted by place.
+    /// The units that panicked, sorted by position.
     pub failed: Vec<FailedUnit>,
 }
 

@@ -136,7 +136,7 @@ pub fn render_passes<I: PixelIntegrator + ?Sized>(
 }
 
 impl Position {
-    /// Samples of each pixel that the film has; those in noisy places may have more, see [`Goal::adaptive`].
+    /// Samples of each pixel that the film has; those in noisy positions may have more, see [`Goal::adaptive`].
     pub fn samples(&self) -> u32 {
         self.done
     }

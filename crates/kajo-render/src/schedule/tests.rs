@@ -7,7 +7,7 @@ use super::*;
 use crate::Silent;
 use crate::{FilmSpec, Filter, FirstHit, Layer, LayerSet, PixelSample};
 
-/// Radiance as a function of the place on the film and of a random number.
+/// Radiance as a function of the position on the film and of a random number.
 struct Field<F>(F);
 
 impl<F: Fn(Vec2, f32) -> f32 + Sync> PixelIntegrator for Field<F> {

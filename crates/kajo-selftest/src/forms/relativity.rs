@@ -30,7 +30,7 @@
 use std::f64::consts::PI;
 
 use kajo_math::DVec3;
-use kajo_math::lorentz::{Event, FrameMap};
+use kajo_math::lorentz::{FrameMap, SpacetimeEvent};
 
 use super::quadrature::simpson;
 use super::{Form, Number, Parameters, floor, floor_and_light, spot_meter, text};
@@ -167,7 +167,7 @@ fn mirrored(b: f64, cos: f64) -> [f64; 2] {
 /// Aberration, Doppler factors, the sum of velocities and moving mirrors, by the transformation that rays are mapped with.
 pub fn numbers() -> Vec<Number> {
     let mut numbers = Vec::new();
-    let origin = Event { t: 0.0, x: DVec3::ZERO };
+    let origin = SpacetimeEvent { t: 0.0, x: DVec3::ZERO };
     let boost = |b: f64| FrameMap::boost(b * DVec3::X, origin).unwrap_or(FrameMap::IDENTITY);
     let towards = |degrees: f64| {
         let angle = degrees.to_radians();

@@ -11,7 +11,7 @@ use egui_wgpu::RenderState;
 use kajo::session;
 use serde::{Deserialize, Serialize};
 
-use super::chooser::{Answer, Chooser, Purpose};
+use super::chooser::{Chooser, ChooserAnswer, Purpose};
 use super::keys::{self, Command};
 use super::outliner::Outliner;
 use super::picture;
@@ -23,9 +23,7 @@ use super::viewport::{self, Area};
 use super::{
     help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, theme,
 };
-use crate::state::{
-    Action, Answer as Decision, Apart, Compare, Habits, Histogram, Question, Shown, Studio, Wake,
-};
+use crate::state::{Action, Answer, Apart, Compare, Habits, Histogram, Question, Shown, Studio, Wake};
 
 /// The longest step of a flight, in seconds: after a pause the camera does not jump.
 const LONGEST_STEP: f32 = 0.1;
@@ -243,7 +241,7 @@ impl App {
         let is_unsaved = matches!(question, Some(Question::Unsaved { .. }));
         match self.questions.show(ctx, question, &title, problem) {
             // A scene that never had a file needs a name.
-            Some(Decision::Save) if is_unsaved && self.path().is_none() => {
+            Some(Answer::Save) if is_unsaved && self.path().is_none() => {
                 self.choose(Purpose::SaveScene, "scene.txt");
             }
             Some(answer) => actions.push(Action::Answer(answer)),
@@ -457,9 +455,9 @@ impl App {
     fn ask(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
         let Some(chooser) = &mut self.chooser else { return };
         match chooser.show(ctx) {
-            Answer::None => return,
-            Answer::Cancelled => {}
-            Answer::Chosen(path) => match chooser.purpose {
+            ChooserAnswer::None => return,
+            ChooserAnswer::Cancelled => {}
+            ChooserAnswer::Chosen(path) => match chooser.purpose {
                 Purpose::OpenScene => actions.push(Action::Open(path)),
                 Purpose::SaveScene => actions.push(Action::SaveAs(path)),
                 Purpose::Export => actions.push(Action::Export(path)),

@@ -58,7 +58,7 @@ impl Purpose {
 
 /// What became of the question.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum ChooserAnswer {
     /// Still open.
     None,
     /// Closed without a file.
@@ -105,8 +105,8 @@ impl Chooser {
     }
 
     /// Shows the question; to be called in every frame until there is an answer.
-    pub fn show(&mut self, ctx: &Context) -> Answer {
-        let mut answer = Answer::None;
+    pub fn show(&mut self, ctx: &Context) -> ChooserAnswer {
+        let mut answer = ChooserAnswer::None;
         let modal = Modal::new(egui::Id::unique("chooser")).show(ctx, |ui| {
             let room = ui.ctx().content_rect().size();
             ui.set_width((room.x - 60.0).clamp(200.0, 520.0));
@@ -127,14 +127,14 @@ impl Chooser {
                     answer = self.enter(&self.folder.join(self.typed.trim()));
                 }
                 if ui.button("Cancel").clicked() {
-                    answer = Answer::Cancelled;
+                    answer = ChooserAnswer::Cancelled;
                 }
                 if let Some(problem) = &self.problem {
                     ui.label(RichText::new(problem).color(theme::error(ui)));
                 }
             });
         });
-        if modal.should_close() { Answer::Cancelled } else { answer }
+        if modal.should_close() { ChooserAnswer::Cancelled } else { answer }
     }
 
     fn folder_row(&mut self, ui: &mut Ui) {
@@ -194,20 +194,20 @@ impl Chooser {
     }
 
     /// Goes into a folder, or takes a file.
-    fn enter(&mut self, path: &Path) -> Answer {
+    fn enter(&mut self, path: &Path) -> ChooserAnswer {
         if path.is_dir() {
             self.go(path.to_owned());
-            return Answer::None;
+            return ChooserAnswer::None;
         }
         if self.purpose.must_exist() && !path.is_file() {
             self.problem = Some("There is no such file.".to_owned());
             self.is_new = true;
-            return Answer::None;
+            return ChooserAnswer::None;
         }
         if path.file_name().is_none() {
-            return Answer::None;
+            return ChooserAnswer::None;
         }
-        Answer::Chosen(path.to_owned())
+        ChooserAnswer::Chosen(path.to_owned())
     }
 
     fn go(&mut self, folder: PathBuf) {
@@ -258,11 +258,11 @@ mod tests {
         let mut chooser = Chooser::new(Purpose::OpenScene, Some(&folder.path().join("b.txt")), "");
         let names: Vec<&str> = chooser.entries.iter().map(|entry| entry.name.as_str()).collect();
         assert_eq!(names, ["zoo", "a.TXT", "b.txt"]);
-        assert_eq!(chooser.enter(&folder.path().join("zoo")), Answer::None);
+        assert_eq!(chooser.enter(&folder.path().join("zoo")), ChooserAnswer::None);
         assert!(chooser.folder.ends_with("zoo") && chooser.entries.is_empty());
-        assert_eq!(chooser.enter(&folder.path().join("nothing.txt")), Answer::None);
+        assert_eq!(chooser.enter(&folder.path().join("nothing.txt")), ChooserAnswer::None);
         assert!(chooser.problem.is_some());
         let file = folder.path().join("b.txt");
-        assert_eq!(chooser.enter(&file), Answer::Chosen(file.clone()));
+        assert_eq!(chooser.enter(&file), ChooserAnswer::Chosen(file.clone()));
     }
 }

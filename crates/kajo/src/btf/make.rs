@@ -13,7 +13,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use kajo_core::camera::{Camera, Frame, OrthographicCamera};
+use kajo_core::camera::{Camera, CameraFrame, OrthographicCamera};
 use kajo_core::measured::btf::BtfSamples;
 use kajo_core::measured::direction;
 use kajo_math::DVec3;
@@ -147,7 +147,7 @@ fn oblique(making: &Making, wo: DVec3) -> OrthographicCamera {
     let half = 0.5 * making.length;
     let center = DVec3::new(x + half, y + half, 0.0);
     // Its picture lies in the surface, not across the rays.
-    let frame = Frame { center, right: DVec3::X, up: DVec3::Y, forward: -wo };
+    let frame = CameraFrame { center, right: DVec3::X, up: DVec3::Y, forward: -wo };
     OrthographicCamera { frame, size: making.length, lens: None }
 }
 

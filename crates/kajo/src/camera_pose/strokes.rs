@@ -90,14 +90,14 @@ impl Line<'_> {
 
 #[cfg(test)]
 mod tests {
-    use kajo_core::camera::{Camera, EyePair, Frame, PanoramaCamera};
+    use kajo_core::camera::{Camera, CameraFrame, EyePair, PanoramaCamera};
 
     use super::*;
 
     const SIZE: [u32; 2] = [400, 200];
 
     fn panorama(eyes: Option<EyePair>) -> CameraPose {
-        let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+        let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
         CameraPose::new(Camera::Panorama(PanoramaCamera { frame, eyes }), DVec3::Y)
     }
 

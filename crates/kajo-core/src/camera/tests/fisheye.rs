@@ -4,7 +4,7 @@ use FisheyeProjection::{Equidistant, Equisolid, Orthographic, Stereographic};
 const PROJECTIONS: [FisheyeProjection; 4] = [Equidistant, Equisolid, Orthographic, Stereographic];
 
 fn fisheye(projection: FisheyeProjection, degrees: f64) -> FisheyeCamera {
-    let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     FisheyeCamera { frame, angle: degrees.to_radians(), projection, to_corners: false }
 }
 

@@ -7,7 +7,7 @@ use super::*;
 const ASPECT: f32 = 1.5;
 
 fn cameras() -> Vec<Camera> {
-    let frame = Frame::new(DVec3::new(0.3, -0.2, 1.0), DVec3::new(1.0, 2.0, -1.5), DVec3::Y);
+    let frame = CameraFrame::new(DVec3::new(0.3, -0.2, 1.0), DVec3::new(1.0, 2.0, -1.5), DVec3::Y);
     let lens = |aperture| Some(ThinLens { aperture, radius: 0.3, focus: 4.0 });
     let perspective = PerspectiveCamera::new(frame, 0.9);
     vec![
@@ -23,7 +23,7 @@ fn cameras() -> Vec<Camera> {
     ]
 }
 
-fn axes(camera: &Camera) -> Frame {
+fn axes(camera: &Camera) -> CameraFrame {
     match camera {
         Camera::Perspective(camera) => *camera.frame(),
         Camera::Orthographic(camera) => camera.frame,
@@ -125,7 +125,7 @@ fn a_connection_ends_on_the_lens_and_shows_where_the_camera_looks() {
             let s = Stream::new(8, [i, 0], 0);
             let at = 1.8 * Vec2::new(s.uniform(0), s.uniform(1)) - 0.9;
             let u = Vec2::new(s.uniform(2), s.uniform(3));
-            // A point in focus is seen at the same place through any point of the lens.
+            // A point in focus is seen at the same position through any point of the lens.
             let ray = camera.ray(at, ASPECT, u, 0.0).expect("a ray");
             let t = 4.0 / f64::from(ray.d.dot(frame.forward.as_vec3()));
             let p = ray.o.as_dvec3() + t * ray.d.as_dvec3();
@@ -188,7 +188,7 @@ fn rays_cross_an_area_as_often_as_connections_say() {
             let at = 1.8 * Vec2::new(s.uniform(0), s.uniform(1)) - 0.9;
             let u = 0.02 + 0.96 * Vec2::new(s.uniform(2), s.uniform(3));
             let ray = camera.ray(at, ASPECT, u, 0.0).expect("a ray");
-            // Where all points of the lens see it at the same place.
+            // Where all points of the lens see it at the same position.
             let t = 4.0 / ray.d.dot(frame.forward.as_vec3());
             let across = camera.pdf_across(&ray, t, ASPECT).expect("the camera cast it");
             let way = camera.connect(ray.at(t), u, ASPECT, 0.0).expect("it is seen");

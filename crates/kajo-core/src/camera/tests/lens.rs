@@ -7,8 +7,8 @@ use kajo_math::sobol;
 
 use super::*;
 
-fn frame() -> Frame {
-    Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y)
+fn frame() -> CameraFrame {
+    CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y)
 }
 
 fn round(diameter: f64, focus: f64) -> ThinLens {
@@ -24,7 +24,7 @@ fn grid(n: u32) -> impl Iterator<Item = Vec2> {
     (0..n * n).map(move |i| Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32)
 }
 
-/// Where the ray of a place of the picture meets the plane at depth `z`.
+/// Where the ray of a position of the picture meets the plane at depth `z`.
 fn crossing(camera: &Camera, at: Vec2, lens: Vec2, z: f64) -> DVec3 {
     let ray = camera.ray(at, 1.5, lens, 0.0).expect("a ray");
     let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());

@@ -3,7 +3,7 @@
 use super::gradient_index::CurveKeys;
 use crate::compile::fields::{Direction, Keys, at_least, direction, flag, keys, number, positive};
 use crate::compile::member::{MediumMember, Member};
-use crate::medium::gradient_index::{Dispersing, Layers, Profile};
+use crate::medium::gradient_index::{AirLayers, Dispersing, Profile};
 use crate::schema::{Block, Constant, Kind};
 
 keys! {
@@ -35,7 +35,7 @@ pub const MEMBER: MediumMember = Member {
             let curves = CurveKeys::read(params, sources)?;
             let Direction(up) = keys.up;
             let meter = f64::from(keys.meter);
-            let layers = Layers {
+            let layers = AirLayers {
                 up: up.as_dvec3().normalize(),
                 ground: keys.ground.into(),
                 temperature: keys.temperature.into(),

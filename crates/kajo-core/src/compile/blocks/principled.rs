@@ -12,7 +12,7 @@ use crate::compile::fields::{
     positive, share,
 };
 use crate::compile::member::{MaterialMember, Member};
-use crate::material::{Grain, LayeredMaterial, Layers, Specular, SubsurfaceBody};
+use crate::material::{Grain, LayeredMaterial, Layers, SpecularLayer, SubsurfaceBody};
 use crate::medium::phase::HenyeyGreenstein;
 use crate::medium::{Coefficients, HomogeneousMedium, Phase};
 use crate::schema::{Block, Constant, FieldKind, Kind};
@@ -139,7 +139,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(Layer
     }
     let layers = Layers {
         color: keys.color,
-        specular: Specular::Factor(keys.specular_color),
+        specular: SpecularLayer::Factor(keys.specular_color),
         metalness: keys.metalness,
         transmission: keys.transmission,
         absorption: keys.absorption.0,

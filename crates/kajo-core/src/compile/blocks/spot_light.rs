@@ -7,7 +7,7 @@ use super::point_light::{BrightnessKeys, POSITION};
 use crate::compile::fields::{Direction, Keys, Sources, degrees, direction, keys};
 use crate::compile::member::{LightMember, Member};
 use crate::ids::LightGroup;
-use crate::light::{Cone, SpotLight};
+use crate::light::{SpotCone, SpotLight};
 use crate::schema::{Around, Block, FieldValue, Kind};
 
 keys! {
@@ -58,7 +58,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(SpotL
         params.warn("angle", message, "beyond a half space");
     }
     let half = |degrees: f32| 0.5 * degrees.to_radians();
-    let cone = Cone::new(half(inner.min(angle)), half(angle));
+    let cone = SpotCone::new(half(inner.min(angle)), half(angle));
     let (point, group) = brightness?.light(position, cone.share_of_sphere(), params)?;
     Some((SpotLight { point, axis: direction.0, cone }, group))
 }

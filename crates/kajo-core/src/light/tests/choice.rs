@@ -1,4 +1,4 @@
-//! The choice between lights that have a place and those infinitely far away.
+//! The choice between lights that have a position and those infinitely far away.
 
 use super::*;
 use crate::background::Background;

@@ -1,4 +1,4 @@
-//! Every piece of surface draws directions by the density it names, from outside, from inside and from its surface.
+//! Every patch of surface draws directions by the density it names, from outside, from inside and from its surface.
 
 use kajo_testkit::sphere;
 
@@ -108,7 +108,7 @@ impl KnownSurface {
     }
 }
 
-/// Compares directions drawn from `from` with their density, which counts all places in a direction unless only
+/// Compares directions drawn from `from` with their density, which counts all positions in a direction unless only
 /// the nearest can be drawn.
 #[track_caller]
 fn check(simple: Simple, map: DAffine3, from: Vec3, nearest_only: bool) {
@@ -181,7 +181,7 @@ fn ellipsoids_and_cones() {
     check(Simple::Frustum([0.5, 0.5]), DAffine3::IDENTITY, Vec3::new(0.0, 0.2, 0.7), false);
 }
 
-/// Every place of a piece has coordinates, also where the piece has moved to.
+/// Every position of a patch has coordinates, also where the patch has moved to.
 #[test]
 fn coordinates_name_places() {
     let moved = DAffine3::from_scale_rotation_translation(
@@ -232,7 +232,7 @@ fn skies_with_their_sun() {
     let (to_sun, sun_share) = (with.sun.as_ref().unwrap().direction, with.sun_share());
     let from_sun = with.sun.as_ref().unwrap().radiance.luminance() * Sun::SOLID_ANGLE * to_sun.y;
     let sky = SkyLight::new(std::sync::Arc::new(Background::Sky(Box::new(with))));
-    // Irradiance of a level place: the dome's by a fine sum, and the sun's by its solid angle.
+    // Irradiance of a level surface: the dome's by a fine sum, and the sun's by its solid angle.
     let (mut sun_hits, mut sum, mut squares, n) = (0, 0.0, 0.0, 200_000);
     for i in 0..n {
         let s = sample_li(&sky, Vec3::ZERO, draw(i)).unwrap();

@@ -71,7 +71,7 @@ pub(crate) fn every_light() -> (Lights, Vec<KnownLight>) {
     };
     known(point([0.0, 0.0, 1.0]).store(&mut lights), 8.0 * PI);
     let axis = Vec3::new(0.6, -0.8, 0.0);
-    let spot = SpotLight { point: point([0.0, 0.0, 1.0]), axis, cone: Cone { inner: 0.1, outer: 0.5 } };
+    let spot = SpotLight { point: point([0.0, 0.0, 1.0]), axis, cone: SpotCone { inner: 0.1, outer: 0.5 } };
     // 2 pi I (1 - (cos inner + cos outer) / 2), of an intensity of 2.
     known(spot.store(&mut lights), 4.0 * PI * (1.0 - 0.7));
     let shadow = PI * 6.25;

@@ -66,7 +66,7 @@ fn estimate(lights: &Lights, sampler: &LightSampler, to: &Receiver, choice: Ligh
     sum / f64::from(COUNT)
 }
 
-/// Mean and variance of one sample: a sum over all lights and 4 x 4 places on each. Estimated from samples the variance would
+/// Mean and variance of one sample: a sum over all lights and 4 x 4 positions on each. Estimated from samples the variance would
 /// hang on the few brightest.
 fn moments(lights: &Lights, sampler: &LightSampler, to: &Receiver, choice: LightChoice) -> [f64; 2] {
     let (mut mean, mut squares) = (0.0, 0.0);
@@ -104,7 +104,7 @@ fn the_tree_gives_the_mean_of_a_uniform_choice_with_a_twentieth_of_the_variance(
     }
 }
 
-/// Of an object of many pieces a few stand for all, with the same power, and none of those that have none.
+/// Of an object of many patches a few stand for all, with the same power, and none of those that have none.
 #[test]
 fn a_few_pieces_stand_for_those_of_a_large_object() {
     let mut lights = Lights::default();

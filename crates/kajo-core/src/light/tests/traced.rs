@@ -136,7 +136,7 @@ fn areas_are_measured() {
 
 const WORLD: BoundingSphere = BoundingSphere { center: Vec3::ZERO, radius: 9.0 };
 
-/// Light that leaves: its density is that of the light, and light through pieces of the surface into some directions is what
+/// Light that leaves: its density is that of the light, and light through patches of the surface into some directions is what
 /// the cosine makes of them.
 #[test]
 fn light_leaves_as_its_density_says() {
@@ -178,7 +178,7 @@ fn light_leaves_as_its_density_says() {
     }
 }
 
-/// A light that has moved is the light at the other place.
+/// A light that has moved is the light at the other position.
 #[test]
 fn what_moves_is_drawn_where_it_is() {
     let moved = DAffine3::from_translation(DVec3::new(0.5, -1.0, 2.0)) * DAffine3::from_rotation_y(0.7);

@@ -28,7 +28,7 @@ use crate::curved_light::{
 use crate::texture::Textures;
 
 pub use dispersing::Dispersing;
-pub use profile::{Layers, Profile, Turbulence};
+pub use profile::{AirLayers, Profile, Turbulence};
 
 /// A medium whose index of refraction differs from place to place.
 #[derive(Clone, Debug)]

@@ -50,7 +50,7 @@ pub enum Profile {
         gradient: DVec3,
     },
     /// Air over hot or cold ground.
-    Layers(Layers),
+    Layers(AirLayers),
 }
 
 thread_local! {
@@ -127,7 +127,7 @@ impl Profile {
 ///
 /// at the pressure of the sea. Indices are relative to that of air at `T0`, so that what is around has the index 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layers {
+pub struct AirLayers {
     /// Unit vector.
     pub up: DVec3,
     /// The ground is where the place along `up` is this.
@@ -151,7 +151,7 @@ pub struct Layers {
 /// `n - 1` of air at 288.15 K and the pressure of the sea.
 const REFRACTIVITY: f64 = 2.77e-4;
 
-impl Layers {
+impl AirLayers {
     /// The index at a height and its derivative.
     pub fn index(&self, h: f64) -> (f64, f64) {
         let hot = self.rise * exp64(-h / self.depth);
@@ -165,7 +165,7 @@ impl Layers {
     }
 
     fn is_finite(&self) -> bool {
-        let Layers { up, ground, temperature, rise, depth, inversion, height, width, strength } = *self;
+        let AirLayers { up, ground, temperature, rise, depth, inversion, height, width, strength } = *self;
         up.is_finite()
             && [ground, temperature, rise, depth, inversion, height, width, strength]
                 .iter()

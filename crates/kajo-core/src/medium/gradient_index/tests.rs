@@ -196,7 +196,7 @@ fn function(
 /// `n cos(angle to the layers)` stays what it is through any layers.
 #[test]
 fn layers_keep_the_momentum_along_them() {
-    let layers = Layers {
+    let layers = AirLayers {
         up: DVec3::Y,
         ground: 0.0,
         temperature: 293.0,

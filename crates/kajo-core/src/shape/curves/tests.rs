@@ -45,7 +45,7 @@ fn all_crossings(curves: &Curves, ray: &Ray) -> Vec<Hit> {
 }
 
 /// Places of a strand, `n` in each segment, and its end.
-fn places(curves: &Curves, n: u32) -> Vec<CurvePoint> {
+fn points(curves: &Curves, n: u32) -> Vec<CurvePoint> {
     let parts = &*curves.0;
     let leaves = parts.leaves.iter().filter(|leaf| leaf.kind != LeafKind::Corner && leaf.span == 0);
     let segments: Vec<CurveSpan> = leaves.map(|leaf| parts.segment(leaf.node)).collect();
@@ -54,10 +54,10 @@ fn places(curves: &Curves, n: u32) -> Vec<CurvePoint> {
 }
 
 /// Whether a point is nearer to a curve than its radius, beside the curve and not beyond its ends; `None` where that cannot be told
-/// from places this far from each other.
-fn is_inside(places: &[CurvePoint], q: DVec3) -> Option<bool> {
-    let n = places.len();
-    let (i, nearest) = places
+/// from points this far from each other.
+fn is_inside(points: &[CurvePoint], q: DVec3) -> Option<bool> {
+    let n = points.len();
+    let (i, nearest) = points
         .iter()
         .enumerate()
         .min_by(|a, b| a.1.p.distance_squared(q).total_cmp(&b.1.p.distance_squared(q)))?;
@@ -72,7 +72,7 @@ fn is_inside(places: &[CurvePoint], q: DVec3) -> Option<bool> {
 fn tubes_are_where_their_curves_are_near() {
     for basis in &BASES[1..] {
         let curves = Curves::new(&bent(), *basis, CurveForm::Tube).unwrap();
-        let places = places(&curves, 200);
+        let points = points(&curves, 200);
         let mut checked = 0;
         for i in 0..400 {
             let ray = random_ray(i, 0.8);
@@ -80,7 +80,7 @@ fn tubes_are_where_their_curves_are_near() {
             assert!(hits.len().is_multiple_of(2), "{basis:?}, ray {i}: {hits:?}");
             for k in 0..120 {
                 let t = 1.0 + 0.035 * k as f32;
-                let expected = is_inside(&places, ray.at(t).as_dvec3());
+                let expected = is_inside(&points, ray.at(t).as_dvec3());
                 let before = hits.iter().filter(|hit| hit.t < t).count();
                 if let Some(expected) = expected {
                     assert_eq!(before % 2 == 1, expected, "{basis:?}, ray {i} at {t}: {hits:?}");
@@ -211,25 +211,25 @@ fn there_are_no_gaps_between_pieces() {
     }
 }
 
-/// The nearest places of a curve seen along a ray, by a fine subdivision of it.
+/// The nearest points of a curve seen along a ray, by a fine subdivision of it.
 #[test]
 fn ribbons_are_what_is_near_to_the_curve_as_it_is_seen() {
     for basis in &BASES[1..] {
         let curves = Curves::new(&bent(), *basis, CurveForm::Ribbon).unwrap();
-        let places = places(&curves, 400);
+        let points = points(&curves, 400);
         let (mut met, mut missed) = (0, 0);
         for i in 0..6000 {
             let ray = random_ray(i, 0.9);
             let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3().normalize());
             let off = |p: DVec3| (p - o - (p - o).dot(d) * d).length();
-            let inner = places.windows(3).filter(|w| off(w[1].p) <= off(w[0].p) && off(w[1].p) < off(w[2].p));
+            let inner = points.windows(3).filter(|w| off(w[1].p) <= off(w[0].p) && off(w[1].p) < off(w[2].p));
             let near: Vec<f64> = inner.map(|w| off(w[1].p) / w[1].r).collect();
             if near.iter().any(|ratio| (ratio - 1.0).abs() < 0.02) {
                 continue;
             }
             let expected = near.iter().filter(|ratio| **ratio < 1.0).count();
             let found = all_crossings(&curves, &ray);
-            // Where a curve is seen along itself, places beside each other count twice.
+            // Where a curve is seen along itself, points beside each other count twice.
             assert_eq!(found.is_empty(), expected == 0, "{basis:?}, ray {i}: {found:?} for {near:?}");
             for hit in &found {
                 let at = curves.surface_at(&ray, hit);

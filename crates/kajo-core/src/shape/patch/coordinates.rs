@@ -17,7 +17,7 @@ use kajo_math::{DAffine3, DVec3, Vec2, Vec3, fmath};
 use super::{Canonical, CurvedPatch, Patch, PatchSample, on_unit_sphere, tube_area};
 
 impl Patch {
-    /// The place at coordinates in [0, 1)², its density per area that of evenly drawn coordinates; `None` for traced surfaces,
+    /// The position at coordinates in [0, 1)², its density per area that of evenly drawn coordinates; `None` for traced surfaces,
     /// which have none.
     pub fn point_at(&self, at: Vec2) -> Option<PatchSample> {
         let p = self.point(f64::from(at.x), f64::from(at.y))?;
@@ -34,7 +34,7 @@ impl Patch {
         })
     }
 
-    /// The coordinates of a place on the patch, in [0, 1)²; zero for traced surfaces.
+    /// The coordinates of a position on the patch, in [0, 1)²; zero for traced surfaces.
     pub fn coordinates(&self, p: Vec3) -> Vec2 {
         let p = p.as_dvec3();
         let [x, y] = match self {
@@ -57,12 +57,12 @@ impl Patch {
         Vec2::new(x as f32, y as f32).clamp(Vec2::ZERO, Vec2::splat(1.0f32.next_down()))
     }
 
-    /// [`Patch::coordinates`] of a place on the image of this patch under `m`.
+    /// [`Patch::coordinates`] of a position on the image of this patch under `m`.
     pub fn coordinates_moved(&self, m: &DAffine3, p: Vec3) -> Vec2 {
         self.coordinates(m.inverse().transform_point3(p.as_dvec3()).as_vec3())
     }
 
-    /// The place at coordinates.
+    /// The position at coordinates.
     pub(super) fn point(&self, x: f64, y: f64) -> Option<DVec3> {
         Some(match self {
             Patch::Triangle([a, b, c]) => {
@@ -83,7 +83,7 @@ impl Patch {
 }
 
 impl CurvedPatch {
-    /// Those of a place of the canonical surface.
+    /// Those of a position of the canonical surface.
     fn coordinates(&self, q: DVec3) -> [f64; 2] {
         match self.surface {
             Canonical::Sphere => on_sphere(q),

@@ -1,5 +1,5 @@
 //! Patches that have moved since they were made, for lights that move: everything is drawn and measured on the
-//! image of the piece under a map, and nothing is allocated for it.
+//! image of the patch under a map, and nothing is allocated for it.
 
 use super::{
     Canonical, CurvedPatch, Patch, PatchSample, PatchWay, PlacedTraced, per_solid_angle, scale_of_similarity,
@@ -7,7 +7,7 @@ use super::{
 use kajo_math::{DAffine3, DVec3, Vec2, Vec3};
 
 impl Patch {
-    /// [`Patch::sample`] of the image of this piece under `m`; that of a sphere must be a sphere.
+    /// [`Patch::sample`] of the image of this patch under `m`; that of a sphere must be a sphere.
     pub fn sample_moved(&self, m: &DAffine3, from: Vec3, u: Vec2) -> Option<PatchWay> {
         match self {
             Patch::Curved(curved) => curved.moved(m).sample_area(u)?.seen_from(from),
@@ -16,9 +16,9 @@ impl Patch {
         }
     }
 
-    /// [`Patch::pdf`] of the image of this piece under `m`.
+    /// [`Patch::pdf`] of the image of this patch under `m`.
     ///
-    /// * `p`, `n`: the place and its unit geometric normal
+    /// * `p`, `n`: the position and its unit geometric normal
     pub fn pdf_moved(&self, m: &DAffine3, from: Vec3, p: Vec3, n: Vec3) -> f32 {
         match self {
             Patch::Curved(curved) => {
@@ -30,7 +30,7 @@ impl Patch {
         }
     }
 
-    /// [`Patch::sample_area`] of the image of this piece under `m`.
+    /// [`Patch::sample_area`] of the image of this patch under `m`.
     pub fn sample_area_moved(&self, m: &DAffine3, u: Vec2) -> Option<PatchSample> {
         match self {
             Patch::Curved(curved) => curved.moved(m).sample_area(u),
@@ -39,7 +39,7 @@ impl Patch {
         }
     }
 
-    /// [`Patch::pdf_area`] of the image of this piece under `m`.
+    /// [`Patch::pdf_area`] of the image of this patch under `m`.
     pub fn pdf_area_moved(&self, m: &DAffine3, p: Vec3) -> f32 {
         match self {
             Patch::Curved(curved) => curved.moved(m).pdf_area(p.as_dvec3()) as f32,
@@ -48,7 +48,7 @@ impl Patch {
         }
     }
 
-    /// The same piece in a form that any map of `maps` can be applied to: a sphere that one of them
+    /// The same patch in a form that any map of `maps` can be applied to: a sphere that one of them
     /// deforms is the image of a curved surface from the start. `None` where it would have no area.
     pub fn movable(self, mut maps: impl Iterator<Item = DAffine3>) -> Option<Patch> {
         match self {
@@ -60,7 +60,7 @@ impl Patch {
         }
     }
 
-    /// The image of a piece that is not curved.
+    /// The image of a patch that is not curved.
     pub(super) fn moved(&self, m: &DAffine3) -> Option<Patch> {
         match self {
             Patch::Sphere { center, radius } => Some(Patch::Sphere {
@@ -79,10 +79,10 @@ impl CurvedPatch {
     }
 }
 
-/// A piece where it is at some moment.
+/// A patch where it is at some moment.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedPatch<'a> {
-    /// The piece where it was once.
+    /// The patch where it was once.
     pub patch: &'a Patch,
     /// How it has moved since then; a sphere must stay one.
     pub moved: Option<DAffine3>,

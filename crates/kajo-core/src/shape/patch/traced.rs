@@ -10,7 +10,7 @@
 //!
 //! A ray that leaves begins with a line, uniform among those that meet the sphere of radius `R`: a direction, and a point of the
 //! disk across it. Of the `n` points where the line meets the surface each is chosen alike, and light goes along the line. Of the
-//! lines in `dw` those through a piece `dA` of the surface have the density `|cos| dA dw / (4 pi . pi R^2)`, and each of two
+//! lines in `dw` those through an element `dA` of the surface have the density `|cos| dA dw / (4 pi . pi R^2)`, and each of two
 //! directions is as good for light that leaves on both sides; so
 //!
 //! ```text
@@ -183,7 +183,7 @@ impl PlacedTraced<'_> {
         self.probability(k, n) / solid_angle(self.cap(from).as_ref())
     }
 
-    /// A place drawn for nobody with a direction through it, the density of the place per area; see the head of the file.
+    /// A position drawn for nobody with a direction through it, the density of the position per area; see the head of the file.
     pub(crate) fn sample_line(&self, position: Vec2, direction: Vec2) -> Option<(PatchSample, Vec3)> {
         let (o, d) = self.line(position, direction);
         let ray = Ray::new(o, d).over(f32::NEG_INFINITY, f32::INFINITY);
@@ -195,7 +195,7 @@ impl PlacedTraced<'_> {
         Some((PatchSample { pdf: self.pdf_of_line(n), ..self.at(&ray, &hit) }, d))
     }
 
-    /// The density per area with which [`PlacedTraced::sample_line`] draws the place `p` on the line along `d`.
+    /// The density per area with which [`PlacedTraced::sample_line`] draws the position `p` on the line along `d`.
     pub(crate) fn pdf_line(&self, p: Vec3, d: Vec3) -> f32 {
         let line = Ray::new(p, d).over(f32::NEG_INFINITY, f32::INFINITY);
         self.pdf_of_line(self.with_hits(&line, |hits| hits.len().max(1)))
@@ -244,7 +244,7 @@ impl PlacedTraced<'_> {
         })
     }
 
-    /// The place of a hit, without its density.
+    /// The position of a hit, without its density.
     fn at(&self, ray: &Ray, hit: &Hit) -> PatchSample {
         let Alone { shapes, id, .. } = &*self.patch.alone;
         let point = shapes

@@ -5,7 +5,7 @@
 
 use kajo_math::{DVec3, Vec2, Vec4};
 
-use super::{Channel, Polygons};
+use super::{Polygons, PrimvarChannel};
 
 /// The index of no corner.
 pub(super) const NONE: u32 = u32::MAX;
@@ -20,8 +20,8 @@ pub struct Cage {
     pub(super) corners: Vec<u32>,
     pub(super) twins: Vec<u32>,
     pub(super) sharp: Vec<bool>,
-    pub(super) uvs: Option<Channel<Vec2>>,
-    pub(super) colors: Option<Channel<Vec4>>,
+    pub(super) uvs: Option<PrimvarChannel<Vec2>>,
+    pub(super) colors: Option<PrimvarChannel<Vec4>>,
     pub(super) materials: Option<Vec<u32>>,
 }
 
@@ -175,9 +175,9 @@ impl Cage {
     }
 }
 
-impl<T: Copy> Channel<T> {
-    fn of_corners(self, kept: &[usize]) -> Channel<T> {
+impl<T: Copy> PrimvarChannel<T> {
+    fn of_corners(self, kept: &[usize]) -> PrimvarChannel<T> {
         let corners = kept.iter().map(|&c| self.corners[c]).collect();
-        Channel { values: self.values, corners }
+        PrimvarChannel { values: self.values, corners }
     }
 }

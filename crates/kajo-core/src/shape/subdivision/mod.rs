@@ -54,7 +54,7 @@ pub enum Scheme {
 
 /// Values at corners of faces.
 #[derive(Clone, Debug, Default)]
-pub struct Channel<T> {
+pub struct PrimvarChannel<T> {
     /// The values.
     pub values: Vec<T>,
     /// Index of each corner's value, or [`super::ABSENT`].

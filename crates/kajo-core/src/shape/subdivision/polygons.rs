@@ -2,7 +2,7 @@
 
 use kajo_math::{Vec2, Vec3, Vec4};
 
-use super::{Channel, Scheme};
+use super::{PrimvarChannel, Scheme};
 use crate::shape::mesh::{ABSENT, CornerValues, MeshData, welded};
 
 /// A polygon mesh to be subdivided.
@@ -15,9 +15,9 @@ pub struct Polygons {
     /// The vertices of all corners, face by face, anticlockwise seen from outside.
     pub corners: Vec<u32>,
     /// Texture coordinates.
-    pub uvs: Option<Channel<Vec2>>,
+    pub uvs: Option<PrimvarChannel<Vec2>>,
     /// Linear RGB and opacity.
-    pub colors: Option<Channel<Vec4>>,
+    pub colors: Option<PrimvarChannel<Vec4>>,
     /// The mesh's own material number of each face.
     pub materials: Option<Vec<u32>>,
 }
@@ -68,14 +68,17 @@ impl Polygons {
         let uvs = data.uvs.as_ref().map(|uvs| named(&uvs.faces));
         let colors = data.colors.as_ref().map(|colors| named(&colors.faces));
         let channel = |values: Option<CornerValues<Vec2>>, corners: Option<Vec<u32>>| {
-            Some(Channel { values: values?.values, corners: corners? })
+            Some(PrimvarChannel { values: values?.values, corners: corners? })
         };
         let materials = data.material_slots.as_ref();
         Polygons {
             corners: corners.iter().map(|corner| vertices[vertex(corner) as usize]).collect(),
             sizes,
             uvs: channel(data.uvs, uvs),
-            colors: data.colors.zip(colors).map(|(of, corners)| Channel { values: of.values, corners }),
+            colors: data
+                .colors
+                .zip(colors)
+                .map(|(of, corners)| PrimvarChannel { values: of.values, corners }),
             materials: materials.map(|slots| first_of_face.iter().map(|&i| slots[i]).collect()),
             positions: data.positions,
         }

@@ -9,7 +9,7 @@ use std::ops::{Add, Mul};
 use kajo_math::DVec3;
 
 use super::cage::{Cage, NONE, Starts};
-use super::{Channel, Scheme};
+use super::{PrimvarChannel, Scheme};
 use crate::shape::mesh::ABSENT;
 
 /// Sums over what is around each vertex.
@@ -234,8 +234,8 @@ impl Steps<'_> {
     /// Values blended linearly: those of edges and faces come after the old ones.
     fn channel<T: Copy + Default + Add<Output = T> + Mul<f32, Output = T>>(
         &self,
-        old: &Channel<T>,
-    ) -> Channel<T> {
+        old: &PrimvarChannel<T>,
+    ) -> PrimvarChannel<T> {
         let cage = self.cage;
         let (n_values, n_corners) = (old.values.len() as u32, cage.corners.len() as u32);
         let value = |c: usize| old.values.get(old.corners[c] as usize).copied();
@@ -256,7 +256,7 @@ impl Steps<'_> {
             |c| known(n_values + c as u32, edge(c).is_some()),
             |f| known(n_values + n_corners + f as u32, face(f).is_some()),
         );
-        Channel { values, corners }
+        PrimvarChannel { values, corners }
     }
 
     fn materials(&self, old: &[u32]) -> Vec<u32> {

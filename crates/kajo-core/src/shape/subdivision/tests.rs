@@ -207,7 +207,7 @@ fn texture_coordinates_keep_their_seams() {
     let mut start = cube();
     // Every face has the whole picture.
     let uvs = (0..24).map(|c| [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y][c % 4]).collect();
-    start.uvs = Some(Channel { values: uvs, corners: (0..24).collect() });
+    start.uvs = Some(PrimvarChannel { values: uvs, corners: (0..24).collect() });
     start.materials = Some((0..6).collect());
     let data = surface(start, SMOOTH, 2).into_mesh(true);
     let (uvs, slots) = (data.uvs.unwrap(), data.material_slots.unwrap());
@@ -278,7 +278,7 @@ fn normals_of_displaced_surfaces_converge() {
 fn seams_do_not_crack() {
     let mut start = cube();
     let uvs = (0..24).map(|c| Vec2::new(c as f32, 0.0)).collect();
-    start.uvs = Some(Channel { values: uvs, corners: (0..24).collect() });
+    start.uvs = Some(PrimvarChannel { values: uvs, corners: (0..24).collect() });
     let mut ball = surface(start, SMOOTH, 3);
     ball.displace(|_, uv| 0.01 * f64::from(uv.x));
     assert!(mesh(ball).open_edge().is_none());

@@ -263,7 +263,7 @@ impl<V: Volume> Bidirectional<'_, V> {
 
     /// `s = 1, t = 1`: a light drawn for a point of the lens.
     ///
-    /// Takes four numbers: two for the lens, two for the light and the place on it.
+    /// Takes four numbers: two for the lens, two for the light and the position on it.
     pub(super) fn light_on_lens(
         &self,
         Carried { wavelengths, time, hero, .. }: Carried<'_>,

@@ -26,7 +26,7 @@
 //! Each `a` is at least one, which is merging itself. Points in media and holes are not merged, neither are mirrors.
 //!
 //! What moves is merged with light of its own moment: the shutter interval is divided into equal parts, `eta` becomes that of one of them, and
-//! only vertices of one part are merged, at the places which they have in the middle of it.
+//! only vertices of one part are merged, at the positions which they have in the middle of it.
 
 use std::f32::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};

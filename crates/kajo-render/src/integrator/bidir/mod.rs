@@ -262,7 +262,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
 
     /// Fills `vertices` with a path from a light. Returns the random numbers that are left.
     ///
-    /// The path carries power: `beta` begins as `Le |cos| / (p_light p_place p_direction)`, and the power that arrives at a
+    /// The path carries power: `beta` begins as `Le |cos| / (p_light p_position p_direction)`, and the power that arrives at a
     /// surface is scattered on by `f |cos| / p`.
     fn follow_light<'s, O: PathObserver>(
         &self,

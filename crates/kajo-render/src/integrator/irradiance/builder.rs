@@ -43,7 +43,7 @@ const SPACINGS: [u32; 4] = [16, 8, 4, 2];
 /// Records of one round.
 const ROUND: usize = 128;
 
-/// The weight of all records that cover a place together, so that there are mostly several, and none ends in sight.
+/// The weight of all records that cover a position together, so that there are mostly several, and none ends in sight.
 pub const COVERED: f32 = 0.3;
 
 /// The least and the largest radius, in pixels.
@@ -337,7 +337,7 @@ impl Look {
         Look { last: None, length: 0.0, seen: None }
     }
 
-    /// The place whose light was to be known.
+    /// The position whose light was to be known.
     pub fn query(&self) -> Option<IrradianceQuery> {
         self.seen.as_ref().map(|seen| seen.at)
     }

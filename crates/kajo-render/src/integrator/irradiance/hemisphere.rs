@@ -1,6 +1,6 @@
 //! The hemisphere over a point in strata of equal weight, and what its samples say of the irradiance there.
 //!
-//! With `M` rings and `N` azimuths, sample `(j, k)` has a uniform place `(u, v)` of its own stratum and the direction
+//! With `M` rings and `N` azimuths, sample `(j, k)` has a uniform position `(u, v)` of its own stratum and the direction
 //!
 //! ```text
 //! sin^2 theta = (j + u) / M,     phi = 2 pi (k + v) / N
@@ -42,9 +42,9 @@ pub struct RayResult {
 /// What the irradiance of a point is, and how it changes where the point moves within its plane or its normal turns.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Derivatives {
-    /// Of each channel by the place, in the tangent plane.
+    /// Of each channel by the position, in the tangent plane.
     pub gradient: [DVec2; 3],
-    /// Of the mean of the channels by the place: `xx`, `xy`, `yy`.
+    /// Of the mean of the channels by the position: `xx`, `xy`, `yy`.
     pub hessian: [f64; 3],
 }
 
@@ -71,7 +71,7 @@ impl Strata {
     /// The direction of a sample.
     ///
     /// * `i`: number of the stratum, ring by ring from the normal on
-    /// * `u`: place in it, in [0, 1)²
+    /// * `u`: position in it, in [0, 1)²
     pub fn direction(self, i: usize, u: [f64; 2]) -> DVec3 {
         let (j, k) = (i / self.azimuths, i % self.azimuths);
         let sin2 = ((j as f64 + u[0]) / self.rings as f64).min(1.0);
@@ -163,7 +163,7 @@ impl Hemisphere {
         sum
     }
 
-    /// How the irradiance changes with the place, from the differences of neighbouring strata.
+    /// How the irradiance changes with the position, from the differences of neighbouring strata.
     ///
     /// The border of two strata moves with the nearer of what is seen in them, at the distance `r`, and takes light from one to give
     /// it to the other:

@@ -116,7 +116,7 @@ fn nearest(inverse_distances: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 impl Hemisphere {
-    /// How the irradiance changes with the place, from the mesh of what is seen.
+    /// How the irradiance changes with the position, from the mesh of what is seen.
     pub fn derivatives(&self) -> Derivatives {
         let Strata { rings, azimuths } = self.strata;
         let mut sums = Derivatives::default();

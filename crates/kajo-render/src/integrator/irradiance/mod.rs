@@ -8,7 +8,7 @@
 //! L(x, wo) = direct light + caustics + R/π E(x, n) + glossy light,     E = sum of w_i E_i(x, n) / sum of w_i
 //! ```
 //!
-//! Direct light, caustics, and what a surface scatters unevenly, is sampled as by path tracing; so is all light where no record reaches, so that a place without
+//! Direct light, caustics, and what a surface scatters unevenly, is sampled as by path tracing; so is all light where no record reaches, so that a position without
 //! records is noisy, but right. Bounces are counted from the surface that the cache lights.
 
 mod builder;
@@ -69,7 +69,7 @@ impl Cache {
         e.map(|e| e * std::f32::consts::FRAC_1_PI)
     }
 
-    /// Whether no more records are needed for a place.
+    /// Whether no more records are needed for a position.
     fn covers(&self, at: &IrradianceQuery) -> bool {
         self.tree.weight(at, self.turn) >= builder::COVERED
     }

@@ -119,7 +119,7 @@ impl Octree {
         }
     }
 
-    /// The sum of the weights at a place.
+    /// The sum of the weights at a position.
     ///
     /// * `turn`: as for [`Record::weight`]
     pub fn weight(&self, at: &IrradianceQuery, turn: f32) -> f32 {
@@ -128,7 +128,7 @@ impl Octree {
         sum
     }
 
-    /// The irradiance of a place, linear RGB; `None` where no record holds.
+    /// The irradiance of a position, linear RGB; `None` where no record holds.
     ///
     /// * `turn`: as for [`Record::weight`]
     pub fn irradiance(&self, at: &IrradianceQuery, turn: f32) -> Option<[f32; 3]> {
@@ -145,7 +145,7 @@ impl Octree {
         (weights > 0.0).then(|| sum.map(|sum: f32| sum / weights))
     }
 
-    /// Whether a record lies no further from a place than this share of its smaller radius.
+    /// Whether a record lies no further from a position than this share of its smaller radius.
     pub fn is_record(&self, at: &IrradianceQuery, turn: f32, share: f32) -> bool {
         let mut is_record = false;
         self.near(at.p, 0.0, &mut |i| {

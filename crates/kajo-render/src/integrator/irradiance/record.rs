@@ -21,7 +21,7 @@ pub struct Record {
     pub irradiance: [f32; 3],
     /// Of each channel, by the components of another unit normal in the tangent plane.
     pub by_normal: [Vec2; 3],
-    /// Of each channel, by the place in the tangent plane, per unit of the world.
+    /// Of each channel, by the position in the tangent plane, per unit of the world.
     pub by_position: [Vec2; 3],
     /// How far it holds, in units of the world: along `axis` and across, the larger one first.
     pub radii: [f32; 2],
@@ -29,7 +29,7 @@ pub struct Record {
     pub axis: f32,
 }
 
-/// A place where irradiance is asked for.
+/// A position where irradiance is asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct IrradianceQuery {
     /// World space.
@@ -40,11 +40,11 @@ pub struct IrradianceQuery {
     pub relief: Vec3,
 }
 
-/// How far a record lies behind a place at most, as a share of its radius: what is further is not lit by what the record saw.
+/// How far a record lies behind a position at most, as a share of its radius: what is further is not lit by what the record saw.
 const LEAST_BEHIND: f32 = -0.05;
 
 impl Record {
-    /// The weight of the record at a place; not positive where it does not hold.
+    /// The weight of the record at a position; not positive where it does not hold.
     ///
     /// * `turn`: how far normals may be apart, as `1 - cos`
     #[inline]
@@ -68,7 +68,7 @@ impl Record {
         1.0 - distance.max(turned.max(0.0).sqrt())
     }
 
-    /// The irradiance of a place by this record alone, linear RGB; not negative.
+    /// The irradiance of a position by this record alone, linear RGB; not negative.
     #[inline]
     pub fn extrapolated(&self, at: &IrradianceQuery) -> [f32; 3] {
         let frame = Frame::from_normal(self.n);

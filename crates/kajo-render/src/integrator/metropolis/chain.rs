@@ -125,7 +125,7 @@ impl<'a> Evaluation<'a> {
     }
 }
 
-/// Whether a place lies in the picture.
+/// Whether a position lies in the picture.
 fn is_within(raster: Vec2, size: Vec2) -> bool {
     raster.min_element() >= 0.0 && raster.x < size.x && raster.y < size.y
 }

@@ -1,6 +1,6 @@
 //! Metropolis light transport in primary sample space [Kelemen et al. 2002].
 //!
-//! A sample of another integrator is a function `F(u)` of its uniform numbers `u`, a list of lights at places of the picture. Markov
+//! A sample of another integrator is a function `F(u)` of its uniform numbers `u`, a list of lights at positions of the picture. Markov
 //! chains move `u` so that it is met in proportion to the importance `I(u)`, the mean over the channels of the sum of that light: a
 //! path that brings much is changed a little and tried again. With `b`, the integral of `I`, estimated by independent samples, a
 //! chain of `M` mutations from `u` to the proposal `v`, accepted with the probability `a = min(1, I(v)/I(u))`, adds

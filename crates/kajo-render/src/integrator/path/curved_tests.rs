@@ -131,7 +131,7 @@ fn a_debug_ray_is_a_polyline_in_a_body_that_bends_it() {
     assert!(segments.iter().all(|segment| segment.weight.iter().all(|w| (w - 1.0).abs() < 1e-4)));
 }
 
-/// Nothing that comes to a place without an index is a hang or no number.
+/// Nothing that comes to a position without an index is a hang or no number.
 #[test]
 fn places_without_an_index_are_black_and_counted() {
     let scene = filled(

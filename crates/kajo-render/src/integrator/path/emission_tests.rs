@@ -73,7 +73,7 @@ fn a_slab_that_emits_has_its_closed_form() {
     assert!((found - 1.5).abs() < 1e-5, "{found}");
 }
 
-/// What only emits by a function of the position, and what absorbs in other places as well, by quadrature.
+/// What only emits by a function of the position, and what absorbs in other positions as well, by quadrature.
 #[test]
 fn emission_that_varies_is_its_integral() {
     let density = |z: f64| (1.0 + z).max(0.0);

@@ -25,7 +25,7 @@ use kajo_core::light::{LightHit, LightPoint, MAX_LIGHT_GROUPS, Receiver};
 use kajo_core::scene::{Interaction, LightRay, Relativity, Scene};
 use kajo_core::settings::{Directions, Technique};
 use kajo_core::{LightGroup, LightIndex};
-use kajo_math::lorentz::Event as FrameEvent;
+use kajo_math::lorentz::SpacetimeEvent;
 use kajo_math::robust::offset_origin;
 use kajo_math::{DVec3, Ray, Vec2, Vec3};
 
@@ -35,7 +35,7 @@ use crate::integrator::Integrator;
 use crate::integrator::camera_view::{CameraView, in_white_light};
 use crate::integrator::transport::steps::{MOST_SURFACES, straight_on};
 use crate::integrator::transport::{
-    Event, LocalFrame, MediumStack, PathState, Segment, SurfaceInteraction, arrive, pass_straight,
+    Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, TracedSegment, arrive, pass_straight,
     radiance_factor, shade,
 };
 use crate::trail::{About, PathObserver, RayKind};
@@ -175,7 +175,7 @@ fn receiver_in(all: &Relativity, to: &Receiver, (own, t): (FrameId, f64), frame:
     if own == frame {
         return (*to, t);
     }
-    let event = all.event(FrameEvent { t, x: to.p.as_dvec3() }, own, frame);
+    let event = all.event(SpacetimeEvent { t, x: to.p.as_dvec3() }, own, frame);
     (Receiver { p: event.x.as_vec3(), n: Vec3::ZERO, time: to.time }, event.t)
 }
 
@@ -287,7 +287,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         path.t = own.time_at(s, eta);
         let state = &mut path.path.state;
         let wo = -state.ray.d;
-        arrive(scene, state, surface, Segment { wo, length: s, g: 1.0 });
+        arrive(scene, state, surface, TracedSegment { wo, length: s, g: 1.0 });
         Event::Surface
     }
 
@@ -338,7 +338,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
 
     /// Light of an emitter of some frame for a surface, whether or not anything is in the way; `None` where none can arrive.
     ///
-    /// Takes three numbers. The first one is left out; the other two are for the light and the place on it.
+    /// Takes three numbers. The first one is left out; the other two are for the light and the position on it.
     fn sample_light(&self, path: &mut FramePath<'_>, shaded: Shaded<'_>, frame: FrameId) -> Option<Drawn> {
         let (scene, all) = (self.scene(), self.integrator.all);
         let Shaded { surface, local, .. } = shaded;
@@ -352,7 +352,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let seen = all.light(li.wi.as_dvec3(), frame, path.frame).as_vec3();
         let doppler = seen.length();
         if frame != path.frame && state.wavelengths.is_spectral() {
-            // The same place on the emitter, at the wavelengths that it sends there.
+            // The same position on the emitter, at the wavelengths that it sends there.
             li = scene.sample_li(chosen.light, &to, chosen.pair(u), &state.wavelengths.shifted(doppler))?;
         }
         let wi = seen / doppler;

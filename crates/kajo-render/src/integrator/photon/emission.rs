@@ -1,12 +1,12 @@
 //! Photons on their way from lights.
 //!
-//! A path begins at a light chosen by its power and carries `Le |cos| / (p_light p_place p_direction)`, over the number of paths. At
+//! A path begins at a light chosen by its power and carries `Le |cos| / (p_light p_position p_direction)`, over the number of paths. At
 //! each surface that scatters light into more than single directions it leaves a photon, and goes on as paths from lights
 //! do elsewhere, with the factor for shading normals and with Russian roulette, so that photons of like power remain
 //! [Jensen 2001, 4].
 //!
 //! The numbers of path `i` of map `k` are those of sample `i` of one pixel of a Sobol sequence, so that the photons of a map are spread
-//! evenly over lights, places and directions.
+//! evenly over lights, positions and directions.
 
 use kajo_color::Wavelengths;
 use kajo_core::LightGroup;

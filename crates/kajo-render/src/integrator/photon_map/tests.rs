@@ -76,7 +76,7 @@ fn searches_find_what_a_look_at_all_finds() {
     let photons: Vec<Photon> = (0..3000)
         .map(|i| {
             let u = random(i);
-            // Some lie in the same place.
+            // Some lie at the same position.
             let p = Vec3::new(u(0), u(1), 0.05 * u(2)) * if i % 7 == 0 { 0.0 } else { 1.0 };
             Photon::new(&Arrival { n: direction(&u, 3), ..arrival(p, Spectrum::grey(u(5))) }, 0.5)
         })

@@ -7,7 +7,7 @@ use super::{PathState, SurfaceInteraction};
 
 /// How a path came to a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Segment {
+pub struct TracedSegment {
     /// Unit direction back along the path.
     pub wo: Vec3,
     /// Length of the way.
@@ -18,9 +18,9 @@ pub struct Segment {
 
 /// Completes what there is to be known of a surface that a path has come to, and weakens the path by the way.
 #[inline]
-pub fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut SurfaceInteraction, way: Segment) {
+pub fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut SurfaceInteraction, way: TracedSegment) {
     let at = &surface.at;
-    Segment { wo: surface.wo, length: surface.length, g: surface.g } = way;
+    TracedSegment { wo: surface.wo, length: surface.length, g: surface.g } = way;
     surface.u = path.draws.number_if(scene.is_mixture(at));
     let enters = surface.wo.dot(at.point.ng) > 0.0;
     let interior = scene.interior(at, &path.wavelengths, surface.u);

@@ -10,7 +10,7 @@ use kajo_core::scene::Scene;
 use kajo_core::space::Arrival;
 use kajo_math::Ray;
 
-use super::arrival::{Segment, arrive};
+use super::arrival::{TracedSegment, arrive};
 use super::{PathState, SurfaceInteraction};
 use crate::trail::{About, PathObserver};
 
@@ -89,7 +89,7 @@ pub fn follow(
         Outcome::Meets => {
             observer.ended(scene, &chord, Some(&surface.at), about);
             surface.at.hit.t = length;
-            arrive(scene, path, surface, Segment { wo: -d, length, g });
+            arrive(scene, path, surface, TracedSegment { wo: -d, length, g });
             Curve::Meets
         }
     }

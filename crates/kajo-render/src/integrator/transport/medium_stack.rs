@@ -25,7 +25,7 @@ struct Medium {
     priority: i32,
     /// The object that it fills.
     object: ObjectId,
-    /// What absorbs and scatters light by place.
+    /// What absorbs and scatters light by position.
     inside: MaybeMedium,
 }
 
@@ -61,7 +61,7 @@ impl MediumStack {
 
     /// The media around the start of a ray: those of objects that it leaves more often than it enters them.
     pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> MediumStack {
-        // Parallel rays of a camera without a place come from infinitely far behind it.
+        // Parallel rays of a camera without a position come from infinitely far behind it.
         if !scene.geometry.transmits || ray.t_min < 0.0 {
             return MediumStack::air(scene);
         }
@@ -119,7 +119,7 @@ impl MediumStack {
         self.top().map(|medium| medium.sigma_a).filter(|sigma_a| !sigma_a.is_black())
     }
 
-    /// What absorbs and scatters light by place around the point.
+    /// What absorbs and scatters light by position around the point.
     #[inline]
     pub fn medium(&self) -> Option<MediumId> {
         self.top().map_or(self.air, |medium| medium.inside).get()

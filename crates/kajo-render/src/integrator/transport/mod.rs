@@ -40,7 +40,7 @@ mod medium_stack;
 mod path_state;
 pub mod steps;
 
-pub use arrival::{Segment, arrive};
+pub use arrival::{TracedSegment, arrive};
 pub use collisions::{MediumInteraction, Passage};
 pub use differentials::leave;
 pub use frequency::radiance_factor;

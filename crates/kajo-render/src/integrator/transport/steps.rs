@@ -9,7 +9,7 @@ use kajo_core::space::Space;
 use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
 
-use super::arrival::{Segment, arrive};
+use super::arrival::{TracedSegment, arrive};
 use super::collisions::travel_to;
 use super::curves::{self, Curve};
 use super::{MediumInteraction, PathState, SurfaceInteraction, differentials};
@@ -88,7 +88,7 @@ pub fn extend(
         differentials::arrive(path, surface);
     }
     let (wo, length) = (-path.ray.d, surface.at.hit.t);
-    arrive(scene, path, surface, Segment { wo, length, g: 1.0 });
+    arrive(scene, path, surface, TracedSegment { wo, length, g: 1.0 });
     Event::Surface
 }
 
@@ -177,7 +177,7 @@ pub struct DrawnLight {
 
 /// Light drawn for a vertex, whether or not anything is in the way; `None` where none can arrive.
 ///
-/// Takes three numbers. The first one is left out; the other two are for the light and the place on it.
+/// Takes three numbers. The first one is left out; the other two are for the light and the position on it.
 #[inline]
 pub fn sample_light(
     scene: &Scene,

@@ -44,7 +44,7 @@ impl Dice {
     }
 }
 
-/// Cuts a stage of a picture at random places and puts it together again, in an order of its own.
+/// Cuts a stage of a picture at random positions and puts it together again, in an order of its own.
 fn in_pieces(spec: FilmSpec, settings: &RenderSettings, goal: &Goal, dice: &mut Dice) -> Film {
     let sum = film(spec);
     let mut position = Position::default();

@@ -37,7 +37,7 @@ enum Technique {
 }
 
 impl Whole<'_> {
-    /// Density per area of drawing place `to` from `by`, where the path comes from `from`.
+    /// Density per area of drawing position `to` from `by`, where the path comes from `from`.
     fn density(&self, from: usize, by: usize, to: usize) -> f64 {
         let (a, b, c) = (&self.places[from], &self.places[by], &self.places[to]);
         let (back, on) = ((a.p - b.p).normalize(), (c.p - b.p).normalize());
