@@ -165,7 +165,7 @@ pub trait Chords {
 /// What became of light that was followed through a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It meets the surface that [`Chords::meets`] was asked for last.
+    /// It hits the surface that [`Chords::hit`] was asked for last.
     Meets,
     /// It is outside of the body without having met its surface, by rounding at an edge or since the body is not closed.
     Leaves,
