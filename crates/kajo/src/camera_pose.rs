@@ -111,7 +111,7 @@ impl CameraPose {
 
     /// The word that makes this kind of camera in a scene.
     pub fn keyword(&self) -> &'static str {
-        crate::info::camera_keyword(&self.still)
+        self.still.keyword()
     }
 
     /// Vertical field of view in radians, of a perspective camera.
@@ -132,11 +132,7 @@ impl CameraPose {
 
     /// The lens, where there is one.
     pub fn lens(&self) -> Option<&ThinLens> {
-        match &self.still {
-            Camera::Perspective(camera) => camera.lens(),
-            Camera::Orthographic(camera) => camera.lens.as_ref(),
-            _ => None,
-        }
+        self.still.lens()
     }
 
     /// Another field of view; no other camera than a perspective one has any.

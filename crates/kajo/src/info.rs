@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use kajo_core::camera::Camera;
 use kajo_scene::{Item, SceneDesc};
 
 use crate::{Dialect, Loaded, Scene};
@@ -69,7 +68,7 @@ impl SceneInfo {
         Some(SceneInfo {
             files: loaded.files.clone(),
             dialect: scene.output.rules.dialect,
-            camera: camera_keyword(&scene.output.camera),
+            camera: scene.output.camera.keyword(),
             lights: scene.lighting.list.len(),
             materials: scene.appearance.list.iter().map(|(_, name)| name.clone()).collect(),
             objects,
@@ -86,17 +85,6 @@ impl SceneInfo {
             bytes: scene.geometry.bytes(),
             tree: tree(&loaded.desc),
         })
-    }
-}
-
-pub(crate) fn camera_keyword(camera: &Camera) -> &'static str {
-    match camera {
-        Camera::Orthographic(_) => "OrthographicCamera",
-        Camera::Perspective(_) => "PerspectiveCamera",
-        Camera::Panorama(_) => "PanoramaCamera",
-        Camera::Fisheye(_) => "FisheyeCamera",
-        Camera::StereoCubemap(_) => "StereoCubemapCamera",
-        Camera::Moving(moving) => camera_keyword(&moving.camera),
     }
 }
 

@@ -15,9 +15,9 @@
 //!
 //! A fisheye sees the ball around the box of the points, which fills its disk.
 
-use kajo_math::{DMat3, DVec3, fmath};
+use kajo_math::{DMat3, DVec3};
 
-use super::{Camera, CameraFrame, OrthographicCamera, PerspectiveCamera};
+use super::{Camera, CameraFrame};
 
 /// How near a camera comes to what it fits into its picture, as a share of its diameter.
 const NEAREST: f64 = 0.05;
@@ -29,7 +29,7 @@ pub type Support<'a> = dyn Fn(DVec3) -> DVec3 + 'a;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Freedom {
     /// Where it stands.
-    Place,
+    Position,
     /// How far away it stands, on the line through its centre along its direction.
     Distance,
     /// How much it sees: the angle, or the height of its picture.
@@ -66,52 +66,18 @@ impl Fit {
     /// # Errors
     /// [`FitError`].
     pub fn apply(&self, camera: &Camera, support: &Support<'_>) -> Result<Camera, FitError> {
-        let space = Space::of(camera.frame(), support).ok_or(FitError::NoAxes)?;
+        let space = FitSpace::of(camera.frame(), support).ok_or(FitError::NoAxes)?;
         let inside = 1.0 - 2.0 * self.margin;
         match camera {
-            Camera::Perspective(camera) => {
-                let lens = camera.lens().cloned();
-                if self.freedom == Freedom::Opening {
-                    let height = space.widest(self.aspect).ok_or(FitError::Around)?;
-                    let angle = 2.0 * fmath::atan64(height / inside);
-                    let fitted = PerspectiveCamera::new(*camera.frame(), angle);
-                    return Ok(Camera::Perspective(fitted.with_lens(lens)));
-                }
-                let height = inside / camera.distance();
-                if !(1e-6..1e6).contains(&height) {
-                    return Err(FitError::NoAngle);
-                }
-                let center = self.eye(&space, [height * self.aspect, height]);
-                Ok(Camera::Perspective(camera.clone().with_frame(CameraFrame { center, ..*camera.frame() })))
-            }
-            Camera::Orthographic(camera) => Ok(self.parallel(&space, camera, inside)),
-            Camera::Fisheye(fisheye) => {
-                let middle = space.middle();
-                let half = 0.5 * fisheye.angle;
-                let edge = inside * self.aspect.min(1.0) / fisheye.radius(self.aspect);
-                let theta = fisheye.projection.theta(edge.min(1.0), half);
-                let CameraFrame { center, forward, .. } = fisheye.frame;
-                if self.freedom == Freedom::Opening {
-                    return Err(FitError::NoAngle);
-                }
-                let sin = if theta < 0.5 * std::f64::consts::PI { fmath::sin64(theta) } else { 1.0 };
-                let distance = space.radius() / sin.max(1e-6);
-                let middle = match self.freedom {
-                    Freedom::Distance => center + (middle - center).dot(forward) * forward,
-                    _ => middle,
-                };
-                let frame = CameraFrame { center: middle - distance * forward, ..fisheye.frame };
-                Ok(Camera::Fisheye(*fisheye).with_frame(frame))
-            }
-            Camera::Panorama(_) | Camera::StereoCubemap(_) => Err(FitError::SeesAll),
             Camera::Moving(moving) => self.apply(&moving.camera, support),
+            still => still.model().fitted(self, &space, inside),
         }
     }
 
     /// The position of a perspective camera.
     ///
     /// * `tangents`: of half the horizontal and vertical angle
-    fn eye(&self, space: &Space<'_>, tangents: [f64; 2]) -> DVec3 {
+    pub(super) fn eye(&self, space: &FitSpace<'_>, tangents: [f64; 2]) -> DVec3 {
         let here = space.coordinates(space.center);
         // What points at the camera, or is seen edge on, would be met by its tip.
         let mut forward = space.least(DVec3::Z) - NEAREST * space.diameter();
@@ -132,27 +98,6 @@ impl Fit {
         }
         space.point(DVec3::new(across[0], across[1], forward))
     }
-
-    fn parallel(&self, space: &Space<'_>, camera: &OrthographicCamera, inside: f64) -> Camera {
-        let here = space.coordinates(camera.frame.center);
-        let mut middle = here;
-        let mut extent = [0.0; 2];
-        for (axis, unit) in [DVec3::X, DVec3::Y].into_iter().enumerate() {
-            let (low, high) = (space.least(unit), -space.least(-unit));
-            if self.freedom == Freedom::Place {
-                middle[axis] = 0.5 * (low + high);
-            }
-            extent[axis] = 2.0 * (high - middle[axis]).max(middle[axis] - low);
-        }
-        if self.freedom != Freedom::Opening {
-            // In front of all of it, where a lens has something to focus on.
-            middle.z = space.least(DVec3::Z) - space.diameter();
-        }
-        let size = extent[1].max(extent[0] / self.aspect) / inside;
-        let size = if size > 0.0 { size } else { 1.0 };
-        let frame = CameraFrame { center: space.point(middle), ..camera.frame };
-        Camera::Orthographic(OrthographicCamera { frame, size, ..camera.clone() })
-    }
 }
 
 /// The direction from `center` in which a perspective picture shows something in its middle.
@@ -165,7 +110,7 @@ pub fn centred(center: DVec3, up: DVec3, support: &Support<'_>) -> Option<DVec3>
     // The middle in the picture is not that of the box: what is near counts for more.
     for _ in 0..4 {
         let frame = CameraFrame::new(center, forward, up);
-        let space = Space::of(&frame, support)?;
+        let space = FitSpace::of(&frame, support)?;
         let [right, top, left, bottom] = space.tangents()?;
         let way = frame.forward + 0.5 * (right - left) * frame.right + 0.5 * (top - bottom) * frame.up;
         forward = way.try_normalize()?;
@@ -174,7 +119,7 @@ pub fn centred(center: DVec3, up: DVec3, support: &Support<'_>) -> Option<DVec3>
 }
 
 /// What is to be seen in the coordinates of a camera.
-struct Space<'a> {
+pub(super) struct FitSpace<'a> {
     center: DVec3,
     /// The camera's axes.
     axes: DMat3,
@@ -183,19 +128,19 @@ struct Space<'a> {
     support: &'a Support<'a>,
 }
 
-impl<'a> Space<'a> {
-    fn of(frame: &CameraFrame, support: &'a Support<'a>) -> Option<Space<'a>> {
+impl<'a> FitSpace<'a> {
+    fn of(frame: &CameraFrame, support: &'a Support<'a>) -> Option<FitSpace<'a>> {
         let axes = DMat3::from_cols(frame.right, frame.up, frame.forward);
         let rows = axes.inverse();
-        (axes.determinant() != 0.0).then_some(Space { center: frame.center, axes, rows, support })
+        (axes.determinant() != 0.0).then_some(FitSpace { center: frame.center, axes, rows, support })
     }
 
     /// A point by right, up and forward, counted from the origin.
-    fn coordinates(&self, p: DVec3) -> DVec3 {
+    pub fn coordinates(&self, p: DVec3) -> DVec3 {
         self.rows * p
     }
 
-    fn point(&self, coordinates: DVec3) -> DVec3 {
+    pub fn point(&self, coordinates: DVec3) -> DVec3 {
         self.axes * coordinates
     }
 
@@ -205,7 +150,7 @@ impl<'a> Space<'a> {
     }
 
     /// The least value of a combination of coordinates.
-    fn least(&self, combination: DVec3) -> f64 {
+    pub fn least(&self, combination: DVec3) -> f64 {
         combination.dot(self.farthest(-combination))
     }
 
@@ -216,17 +161,17 @@ impl<'a> Space<'a> {
     }
 
     /// The diagonal of the box along the axes; 1 for a point.
-    fn diameter(&self) -> f64 {
+    pub fn diameter(&self) -> f64 {
         let [low, high] = self.extent();
         let diameter = low.distance(high);
         if diameter > 0.0 { diameter } else { 1.0 }
     }
 
-    fn radius(&self) -> f64 {
+    pub fn radius(&self) -> f64 {
         0.5 * self.diameter()
     }
 
-    fn middle(&self) -> DVec3 {
+    pub fn middle(&self) -> DVec3 {
         let [low, high] = self.extent();
         self.point(0.5 * (low + high))
     }
@@ -254,7 +199,7 @@ impl<'a> Space<'a> {
     }
 
     /// The tangent of half the vertical angle that holds all; `None` unless all points are ahead.
-    fn widest(&self, aspect: f64) -> Option<f64> {
+    pub fn widest(&self, aspect: f64) -> Option<f64> {
         let [right, top, left, bottom] = self.tangents()?;
         Some(top.max(bottom).max(right.max(left) / aspect).max(1e-6))
     }
@@ -263,7 +208,7 @@ impl<'a> Space<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{FisheyeCamera, FisheyeProjection};
+    use crate::camera::{FisheyeCamera, FisheyeProjection, OrthographicCamera, PerspectiveCamera};
     use kajo_math::rng::Stream;
 
     fn points(i: u32) -> Vec<DVec3> {
@@ -306,7 +251,7 @@ mod tests {
                     Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None }),
                 ];
                 for camera in cameras {
-                    let fit = Fit { freedom: Freedom::Place, aspect, margin };
+                    let fit = Fit { freedom: Freedom::Position, aspect, margin };
                     let fitted = fit.apply(&camera, &support).unwrap();
                     let [x, y] = reach(&fitted, &points, aspect);
                     let inside = 1.0 - 2.0 * margin;
@@ -368,7 +313,7 @@ mod tests {
             for angle in [1.0, 3.1] {
                 let projection = FisheyeProjection::Equisolid;
                 let camera = Camera::Fisheye(FisheyeCamera { frame, angle, projection, to_corners });
-                let fit = Fit { freedom: Freedom::Place, aspect, margin: 0.05 };
+                let fit = Fit { freedom: Freedom::Position, aspect, margin: 0.05 };
                 let [x, y] = reach(&fit.apply(&camera, &support).unwrap(), &points, aspect);
                 assert!(x.max(y) < 0.95, "{x} {y}");
             }
@@ -389,7 +334,8 @@ mod tests {
             Camera::Perspective(PerspectiveCamera::new(frame(1), 0.7)),
             Camera::Orthographic(OrthographicCamera { frame: frame(1), size: 2.0, lens: None }),
         ] {
-            let fitted = Fit { freedom: Freedom::Place, aspect: 1.0, margin: 0.05 }.apply(&camera, &support);
+            let fitted =
+                Fit { freedom: Freedom::Position, aspect: 1.0, margin: 0.05 }.apply(&camera, &support);
             let at = fitted.unwrap().project(p, 1.0, 0.0).expect("ahead");
             assert!(at.length() < 1e-9);
         }

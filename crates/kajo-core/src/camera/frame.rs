@@ -36,6 +36,11 @@ impl CameraFrame {
         CameraFrame { up, ..self }
     }
 
+    /// The point of the plane across the camera's direction, through its position.
+    pub(super) fn in_plane(&self, at: DVec2) -> DVec3 {
+        self.center + at.x * self.right + at.y * self.up
+    }
+
     /// The part of a vector across the camera's direction: right and up.
     pub(super) fn across(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.right), v.dot(self.up))

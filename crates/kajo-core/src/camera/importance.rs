@@ -16,7 +16,7 @@
 
 use kajo_math::{DVec2, DVec3, Ray, Vec2, Vec3};
 
-use super::{Camera, CameraFrame, OrthographicCamera, PerspectiveCamera, ThinLens};
+use super::{Camera, CameraFrame};
 
 /// What a camera makes of a ray that leaves it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,10 +60,8 @@ impl Camera {
     /// * `time`: moment within the shutter interval
     pub fn importance(&self, o: Vec3, d: Vec3, aspect: f32, time: f32) -> Option<Importance> {
         match self {
-            Camera::Perspective(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
-            Camera::Orthographic(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
             Camera::Moving(moving) => moving.importance(o, d, aspect, time),
-            _ => None,
+            still => still.model().importance(o.as_dvec3(), d.as_dvec3(), aspect),
         }
     }
 
@@ -76,16 +74,9 @@ impl Camera {
     /// * `aspect`: width of the picture over its height
     /// * `time`: moment within the shutter interval
     pub fn sample_origin(&self, u: Vec2, aspect: f32, time: f32) -> Option<Vec3> {
-        let on_plane =
-            |frame: &CameraFrame, l: DVec2| (frame.center + l.x * frame.right + l.y * frame.up).as_vec3();
         match self {
-            Camera::Perspective(camera) => Some(on_plane(camera.frame(), camera.lens()?.sample(u))),
-            Camera::Orthographic(camera) => {
-                let half = camera.half_size_with_lens(aspect, camera.lens.as_ref()?);
-                Some(on_plane(&camera.frame, (2.0 * u.as_dvec2() - 1.0) * half))
-            }
             Camera::Moving(moving) => moving.sample_origin(u, aspect, time),
-            _ => None,
+            still => still.model().sample_origin(u, aspect).map(|o| o.as_vec3()),
         }
     }
 
@@ -96,10 +87,8 @@ impl Camera {
     /// * `time`: moment within the shutter interval
     pub fn connect(&self, p: Vec3, lens: Vec2, aspect: f32, time: f32) -> Option<Connection> {
         match self {
-            Camera::Perspective(camera) => camera.connect(p.as_dvec3(), lens, aspect),
-            Camera::Orthographic(camera) => camera.connect(p.as_dvec3(), lens, aspect),
             Camera::Moving(moving) => moving.connect(p, lens, aspect, time),
-            _ => None,
+            still => still.model().connect(p.as_dvec3(), lens, aspect),
         }
     }
 
@@ -110,121 +99,29 @@ impl Camera {
     /// * `distance`: of the area from its origin
     /// * `aspect`: width of the picture over its height
     pub fn pdf_across(&self, ray: &Ray, distance: f32, aspect: f32) -> Option<f32> {
-        let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
         match self {
-            Camera::Perspective(camera) => {
-                let seen = camera.importance(o, d, aspect)?;
-                Some(seen.pdf_direction / (distance * distance))
-            }
-            Camera::Orthographic(camera) => camera.pdf_across(o, d, aspect),
             Camera::Moving(moving) => moving.pdf_across(ray, distance, aspect),
-            _ => None,
+            still => {
+                let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
+                still.model().pdf_across(o, d, distance, aspect)
+            }
         }
-    }
-}
-
-impl PerspectiveCamera {
-    fn importance(&self, o: DVec3, d: DVec3, aspect: f32) -> Option<Importance> {
-        let (across, cosine) = split(self.frame(), d)?;
-        let offset = self.frame().across(o - self.frame().center);
-        // Where the ray crosses the plane of focus, seen from the middle of the lens at unit distance.
-        let (seen, pdf_area) = match self.lens() {
-            None => (across / cosine, 1.0),
-            Some(thin) => (across / cosine + offset / thin.focus, thin.pdf(offset)),
-        };
-        let half = self.half_size(aspect);
-        let pdf_direction = 1.0 / (4.0 * half.x * half.y * (cosine * cosine * cosine)).abs();
-        importance(seen / half, cosine, [pdf_area, pdf_direction, pdf_area])
-    }
-
-    fn connect(&self, p: DVec3, lens: Vec2, aspect: f32) -> Option<Connection> {
-        let frame = self.frame();
-        let offset = self.lens().map_or(DVec2::ZERO, |thin| thin.sample(lens));
-        let o = frame.center + offset.x * frame.right + offset.y * frame.up;
-        let to_lens = o - p;
-        let distance = to_lens.length();
-        let wi = to_lens / distance;
-        let seen = self.importance(o, -wi, aspect)?;
-        let cosine = -wi.dot(frame.forward);
-        let across = f64::from(seen.pdf_direction) / (distance * distance);
-        Some(connection(wi, distance, seen, f64::from(seen.pdf_area) * distance * distance / cosine, across))
-    }
-}
-
-impl OrthographicCamera {
-    fn importance(&self, o: DVec3, d: DVec3, aspect: f32) -> Option<Importance> {
-        let thin = self.lens.as_ref()?;
-        let (across, cosine) = split(&self.frame, d)?;
-        // The point of the lens follows from the direction, since all rays of a film point meet in focus.
-        let offset = -across / cosine * thin.focus;
-        let middle = self.frame.across(o - self.frame.center) - offset;
-        let half = self.half_size(aspect);
-        let pdf_direction = thin.pdf(offset) * thin.focus * thin.focus / (cosine * cosine * cosine);
-        let around = self.half_size_with_lens(aspect, thin);
-        let pdf_origin = 1.0 / (4.0 * around.x * around.y);
-        importance(middle / half, cosine, [self.pdf_film(aspect), pdf_direction, pdf_origin])
-    }
-
-    /// Half the width and height of the part of the picture's plane from which rays start.
-    fn half_size_with_lens(&self, aspect: f32, lens: &ThinLens) -> DVec2 {
-        self.half_size(aspect).abs() + lens.radius
-    }
-
-    /// Points of the film per area across a ray that leaves it.
-    fn pdf_across(&self, o: DVec3, d: DVec3, aspect: f32) -> Option<f32> {
-        let (_, cosine) = split(&self.frame, d)?;
-        if self.lens.is_some() {
-            return self.importance(o, d, aspect).map(|seen| seen.pdf_area / cosine as f32);
-        }
-        let at = self.frame.across(o - self.frame.center) / self.half_size(aspect);
-        (at.abs().max_element() <= 1.0).then(|| self.pdf_film(aspect) as f32)
-    }
-
-    /// Density of points of the film per area.
-    fn pdf_film(&self, aspect: f32) -> f64 {
-        let half = self.half_size(aspect);
-        1.0 / (4.0 * half.x * half.y).abs()
-    }
-
-    fn connect(&self, p: DVec3, lens: Vec2, aspect: f32) -> Option<Connection> {
-        let Some(thin) = &self.lens else { return self.connect_parallel(p, aspect) };
-        let frame = &self.frame;
-        let offset = thin.sample(lens);
-        let d =
-            (thin.focus * frame.forward - offset.x * frame.right - offset.y * frame.up).normalize_or_zero();
-        let distance = (p - frame.center).dot(frame.forward) / d.dot(frame.forward);
-        if distance.is_nan() || distance <= 0.0 {
-            return None;
-        }
-        let seen = self.importance(p - distance * d, d, aspect)?;
-        let across = f64::from(seen.pdf_area) / d.dot(frame.forward);
-        Some(connection(-d, distance, seen, f64::from(seen.pdf_direction), across))
-    }
-
-    fn connect_parallel(&self, p: DVec3, aspect: f32) -> Option<Connection> {
-        split(&self.frame, self.frame.forward)?;
-        let at = self.frame.across(p - self.frame.center) / self.half_size(aspect);
-        let film = self.pdf_film(aspect) as f32;
-        (at.abs().max_element() <= 1.0).then(|| Connection {
-            wi: -self.frame.forward.as_vec3(),
-            distance: f32::INFINITY,
-            at: at.as_vec2(),
-            we: film,
-            pdf: 1.0,
-            pdf_across: film,
-        })
     }
 }
 
 /// The part of a direction across the camera's, and along it; `None` when it points backwards, or when the axes are
 /// no orthonormal basis and so make no picture that light could find.
-fn split(frame: &CameraFrame, d: DVec3) -> Option<(DVec2, f64)> {
+pub(super) fn split(frame: &CameraFrame, d: DVec3) -> Option<(DVec2, f64)> {
     let cosine = d.dot(frame.forward);
     let sees = cosine > 0.0 && frame.is_orthonormal();
     sees.then(|| (frame.across(d), cosine))
 }
 
-fn importance(at: DVec2, cosine: f64, [pdf_area, pdf_direction, pdf_origin]: [f64; 3]) -> Option<Importance> {
+pub(super) fn importance(
+    at: DVec2,
+    cosine: f64,
+    [pdf_area, pdf_direction, pdf_origin]: [f64; 3],
+) -> Option<Importance> {
     let inside = at.abs().max_element() <= 1.0 && pdf_area > 0.0 && pdf_direction > 0.0;
     inside.then(|| Importance {
         at: at.as_vec2(),
@@ -235,7 +132,7 @@ fn importance(at: DVec2, cosine: f64, [pdf_area, pdf_direction, pdf_origin]: [f6
     })
 }
 
-fn connection(wi: DVec3, distance: f64, seen: Importance, pdf: f64, across: f64) -> Connection {
+pub(super) fn connection(wi: DVec3, distance: f64, seen: Importance, pdf: f64, across: f64) -> Connection {
     let Importance { at, we, .. } = seen;
     let (distance, pdf, pdf_across) = (distance as f32, pdf as f32, across as f32);
     Connection { wi: wi.as_vec3(), distance, at, we, pdf, pdf_across }

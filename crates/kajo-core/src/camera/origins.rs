@@ -2,7 +2,7 @@
 
 use kajo_math::{Aabb, DVec3, Vec2};
 
-use super::{Camera, CameraFrame, EyePair, OrthographicCamera, ThinLens};
+use super::{Camera, CameraFrame, EyePair, ThinLens};
 
 impl Camera {
     /// A box around all points where rays start at any moment of the shutter interval, a single point where they share
@@ -12,36 +12,19 @@ impl Camera {
     /// * `aspect`: as for [`Camera::ray`]
     pub fn origins(&self, positions: [Vec2; 2], aspect: f32) -> Option<Aabb> {
         match self {
-            Camera::Orthographic(camera) => camera.origins(positions, aspect),
-            Camera::Perspective(camera) => Some(around_lens(camera.frame(), DVec3::ZERO, camera.lens())),
-            Camera::Panorama(camera) => Some(around_eyes(&camera.frame, camera.eyes)),
-            Camera::Fisheye(camera) => Some(around_eyes(&camera.frame, None)),
-            Camera::StereoCubemap(camera) => Some(around_eyes(&camera.frame, Some(camera.eyes))),
             Camera::Moving(moving) => {
                 let own = moving.camera.origins(positions, aspect)?;
                 Some(moving.map.bounds_of_all_times(&own))
             }
+            still => still.model().origins(positions, aspect),
         }
-    }
-}
-
-impl OrthographicCamera {
-    fn origins(&self, positions: [Vec2; 2], aspect: f32) -> Option<Aabb> {
-        let lens = self.lens.as_ref()?;
-        let CameraFrame { right, up, .. } = self.frame;
-        let half = self.half_size(aspect);
-        let [a, b] = positions.map(Vec2::as_dvec2);
-        let corner = |x: f64, y: f64| half.x * x * right + half.y * y * up;
-        let corners = [corner(a.x, a.y), corner(a.x, b.y), corner(b.x, a.y), corner(b.x, b.y)];
-        let opening = |middle| around_lens(&self.frame, middle, Some(lens));
-        Some(corners.into_iter().map(opening).fold(Aabb::EMPTY, Aabb::union))
     }
 }
 
 /// A box around a lens, or around the pinhole.
 ///
 /// * `middle`: of the lens, from the camera's centre
-fn around_lens(frame: &CameraFrame, middle: DVec3, lens: Option<&ThinLens>) -> Aabb {
+pub(super) fn around_lens(frame: &CameraFrame, middle: DVec3, lens: Option<&ThinLens>) -> Aabb {
     // Openings that are pictures fill the square around the circle.
     let radius = lens.map_or(0.0, |lens| lens.radius);
     let (center, x, y) = (frame.center + middle, radius * frame.right, radius * frame.up);
@@ -49,7 +32,7 @@ fn around_lens(frame: &CameraFrame, middle: DVec3, lens: Option<&ThinLens>) -> A
 }
 
 /// A box around the ball in which two eyes turn, or around the one point of a camera without them.
-fn around_eyes(frame: &CameraFrame, eyes: Option<EyePair>) -> Aabb {
+pub(super) fn around_eyes(frame: &CameraFrame, eyes: Option<EyePair>) -> Aabb {
     let radius = DVec3::splat(eyes.map_or(0.0, |eyes| 0.5 * eyes.separation));
     Aabb::around([frame.center - radius, frame.center + radius].map(|p| p.as_vec3()))
 }

@@ -12,39 +12,12 @@
 
 use std::f64::consts::PI;
 
-use kajo_math::{DVec3, Ray, Vec2, fmath};
+use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, fmath};
 
-use super::CameraFrame;
-
-/// Two eyes around a centre.
-#[derive(Clone, Copy, Debug)]
-pub struct EyePair {
-    /// Distance between the eyes in world units.
-    pub separation: f64,
-}
-
-impl EyePair {
-    /// Where an eye is when the head turns to look along the unit vector `w`.
-    ///
-    /// * `side`: -1 for the left eye, 1 for the right
-    pub fn turned(&self, frame: &CameraFrame, w: DVec3, side: f64) -> DVec3 {
-        let level = w - w.dot(frame.up) * frame.up;
-        let right = level.cross(frame.up).normalize_or_zero();
-        frame.center + 0.5 * self.separation * side * pole_fade(w.dot(frame.up)) * right
-    }
-
-    /// Where an eye is when the head looks forward.
-    pub fn ahead(&self, frame: &CameraFrame, side: f64) -> DVec3 {
-        frame.center + 0.5 * self.separation * side * frame.right
-    }
-}
-
-/// 1 up to 60 degrees of latitude, 0 from 75 degrees, a cosine between.
-fn pole_fade(sin_latitude: f64) -> f64 {
-    let latitude = fmath::asin64(sin_latitude.abs().min(1.0)).to_degrees();
-    let x = ((latitude - 60.0) / 15.0).clamp(0.0, 1.0);
-    fmath::cos64(0.5 * PI * x)
-}
+use super::model::CameraModel;
+use super::origins::around_eyes;
+use super::project::longitude_latitude;
+use super::{CameraFrame, EyePair};
 
 /// An equirectangular camera for one eye or two.
 #[derive(Clone, Copy, Debug)]
@@ -60,9 +33,26 @@ impl PanoramaCamera {
     pub fn is_stereo(&self) -> bool {
         self.eyes.is_some()
     }
+}
 
-    /// The ray through a position of the picture; see [`super::Camera::ray`].
-    pub fn ray(&self, at: Vec2) -> Ray {
+impl CameraModel for PanoramaCamera {
+    fn keyword(&self) -> &'static str {
+        "PanoramaCamera"
+    }
+
+    fn is_finite(&self) -> bool {
+        self.eyes.is_none_or(|eyes| eyes.separation.is_finite())
+    }
+
+    fn frame(&self) -> &CameraFrame {
+        &self.frame
+    }
+
+    fn set_frame(&mut self, frame: CameraFrame) {
+        self.frame = frame;
+    }
+
+    fn ray(&self, at: Vec2, _aspect: f32, _lens: Vec2) -> Option<Ray> {
         let (x, mut y) = (f64::from(at.x), f64::from(at.y));
         let side = if y > 0.0 { -1.0 } else { 1.0 };
         if self.is_stereo() {
@@ -73,6 +63,32 @@ impl PanoramaCamera {
         let level = fmath::sin64(longitude) * right + fmath::cos64(longitude) * forward;
         let w = fmath::cos64(latitude) * level + fmath::sin64(latitude) * up;
         let o = self.eyes.map_or(self.frame.center, |eyes| eyes.turned(&self.frame, w, side));
-        Ray::new(o.as_vec3(), w.as_vec3())
+        Some(Ray::new(o.as_vec3(), w.as_vec3()))
+    }
+
+    fn cells(&self) -> [u32; 2] {
+        if self.is_stereo() { [1, 2] } else { [1, 1] }
+    }
+
+    fn natural_aspect(&self) -> Option<f32> {
+        Some(if self.is_stereo() { 1.0 } else { 2.0 })
+    }
+
+    fn origins(&self, _positions: [Vec2; 2], _aspect: f32) -> Option<Aabb> {
+        Some(around_eyes(&self.frame, self.eyes))
+    }
+
+    fn project(&self, local: DVec3, _aspect: f64) -> Option<DVec2> {
+        (!self.is_stereo()).then(|| longitude_latitude(local))
+    }
+
+    fn has_two_eyes(&self) -> bool {
+        self.is_stereo()
+    }
+
+    fn project_eye(&self, p: DVec3, side: f64) -> Option<DVec2> {
+        let w = self.eyes?.gaze(&self.frame, p, side)?;
+        let at = longitude_latitude(self.frame.local(self.frame.center + w)?);
+        Some(DVec2::new(at.x, 0.5 * (at.y - side)))
     }
 }

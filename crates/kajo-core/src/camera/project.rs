@@ -25,10 +25,7 @@ use std::f64::consts::PI;
 
 use kajo_math::{DMat3, DVec2, DVec3, fmath};
 
-use super::{
-    Camera, CameraFrame, EyePair, FisheyeCamera, FisheyeProjection, PanoramaCamera, Stereo,
-    StereoCubemapCamera,
-};
+use super::{Camera, CameraFrame, EyePair};
 
 /// Steps towards the gaze of an eye that turns, and what is near enough.
 const STEPS: u32 = 64;
@@ -37,37 +34,18 @@ const NEAR_ENOUGH: f64 = 1e-12;
 impl Camera {
     /// Position and axes; for a camera that moves, before its motion.
     pub fn frame(&self) -> &CameraFrame {
-        match self {
-            Camera::Orthographic(camera) => &camera.frame,
-            Camera::Perspective(camera) => camera.frame(),
-            Camera::Panorama(camera) => &camera.frame,
-            Camera::Fisheye(camera) => &camera.frame,
-            Camera::StereoCubemap(camera) => &camera.frame,
-            Camera::Moving(moving) => moving.camera.frame(),
-        }
+        self.model().frame()
     }
 
     /// The same camera with another position and other axes, where it rests.
+    #[must_use]
     pub fn with_frame(self, frame: CameraFrame) -> Camera {
         match self {
-            Camera::Orthographic(mut camera) => {
-                camera.frame = frame;
-                Camera::Orthographic(camera)
-            }
-            Camera::Perspective(camera) => Camera::Perspective(camera.with_frame(frame)),
-            Camera::Panorama(mut camera) => {
-                camera.frame = frame;
-                Camera::Panorama(camera)
-            }
-            Camera::Fisheye(mut camera) => {
-                camera.frame = frame;
-                Camera::Fisheye(camera)
-            }
-            Camera::StereoCubemap(mut camera) => {
-                camera.frame = frame;
-                Camera::StereoCubemap(camera)
-            }
             Camera::Moving(moving) => moving.camera.with_frame(frame),
+            mut still => {
+                still.model_mut().set_frame(frame);
+                still
+            }
         }
     }
 
@@ -81,40 +59,32 @@ impl Camera {
             return moving.project(p, aspect, time);
         }
         let local = self.frame().local(p)?;
-        let across = local.truncate();
-        let at = match self {
-            Camera::Perspective(camera) if local.z * camera.distance() > 0.0 => {
-                across * camera.distance() / (local.z * DVec2::new(aspect, 1.0))
-            }
-            Camera::Orthographic(camera) => across * 2.0 / (camera.size * DVec2::new(aspect, 1.0)),
-            Camera::Panorama(camera) if !camera.is_stereo() => longitude_latitude(local),
-            Camera::Fisheye(camera) => camera.project(local, aspect)?,
-            _ => return None,
-        };
+        let at = self.model().project(local, aspect)?;
         at.is_finite().then_some(at)
     }
 
     /// The positions where the camera shows a point: as [`Camera::project`], or for two eyes that of the left one and that of
     /// the right one.
     pub fn projections(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
-        match self {
-            Camera::Moving(moving) => moving.projections(p, aspect, time),
-            Camera::Panorama(camera) if camera.is_stereo() => [-1.0, 1.0].map(|side| camera.project(p, side)),
-            Camera::StereoCubemap(camera) => [-1.0, 1.0].map(|side| camera.project(p, side)),
-            _ => [self.project(p, aspect, time), None],
+        if let Camera::Moving(moving) = self {
+            return moving.projections(p, aspect, time);
         }
+        if self.model().has_two_eyes() {
+            return [-1.0, 1.0].map(|side| self.model().project_eye(p, side));
+        }
+        [self.project(p, aspect, time), None]
     }
 }
 
 /// Longitude and latitude of a direction by right, up and forward, from -1 to 1 each.
-fn longitude_latitude(local: DVec3) -> DVec2 {
+pub(super) fn longitude_latitude(local: DVec3) -> DVec2 {
     let latitude = fmath::atan2_64(local.y, DVec2::new(local.x, local.z).length());
     DVec2::new(fmath::atan2_64(local.x, local.z) / PI, 2.0 * latitude / PI)
 }
 
 impl EyePair {
     /// The unit direction in which an eye that turns sees the world-space point `p`; `None` where it is too near.
-    fn gaze(&self, frame: &CameraFrame, p: DVec3, side: f64) -> Option<DVec3> {
+    pub(super) fn gaze(&self, frame: &CameraFrame, p: DVec3, side: f64) -> Option<DVec3> {
         let mut w = (p - frame.center).try_normalize()?;
         for _ in 0..STEPS {
             let next = (p - self.turned(frame, w, side)).try_normalize()?;
@@ -125,66 +95,6 @@ impl EyePair {
             }
         }
         None
-    }
-}
-
-impl PanoramaCamera {
-    /// Where an eye of a stereo picture sees a point.
-    fn project(&self, p: DVec3, side: f64) -> Option<DVec2> {
-        let w = self.eyes?.gaze(&self.frame, p, side)?;
-        let at = longitude_latitude(self.frame.local(self.frame.center + w)?);
-        Some(DVec2::new(at.x, 0.5 * (at.y - side)))
-    }
-}
-
-impl StereoCubemapCamera {
-    /// Where an eye sees a point.
-    fn project(&self, p: DVec3, side: f64) -> Option<DVec2> {
-        let w = match self.stereo {
-            Stereo::Twin => p - self.eyes.ahead(&self.frame, side),
-            Stereo::Omnidirectional => self.eyes.gaze(&self.frame, p, side)?,
-        };
-        let DVec3 { x: a, y: b, z: s } = self.frame.local(self.frame.center + w)?;
-        let size = DVec3::new(a, b, s).abs();
-        // The faces as in `StereoCubemapCamera::direction`: which one, and right and up on it.
-        let (face, out, x, y) = if size.x >= size.y && size.x >= size.z {
-            (f64::from(a < 0.0), size.x, if a < 0.0 { s } else { -s }, b)
-        } else if size.y >= size.z {
-            (if b < 0.0 { 3.0 } else { 2.0 }, size.y, a, if b < 0.0 { s } else { -s })
-        } else {
-            (if s < 0.0 { 5.0 } else { 4.0 }, size.z, if s < 0.0 { -a } else { a }, b)
-        };
-        let of_eye = if side < 0.0 { 0.0 } else { 6.0 };
-        let at = DVec2::new((of_eye + face + 0.5 * (x / out + 1.0)) / 6.0 - 1.0, y / out);
-        at.is_finite().then_some(at)
-    }
-}
-
-impl FisheyeCamera {
-    fn project(&self, local: DVec3, aspect: f64) -> Option<DVec2> {
-        let across = local.truncate();
-        let outward = across.length();
-        let theta = fmath::atan2_64(outward, local.z);
-        let half = 0.5 * self.angle;
-        if theta > half {
-            return None;
-        }
-        let r = self.projection.radius(theta, half);
-        let scale = self.radius(aspect);
-        let direction = if outward > 0.0 { across / outward } else { DVec2::ZERO };
-        Some(direction * r * scale / DVec2::new(aspect, 1.0))
-    }
-}
-
-impl FisheyeProjection {
-    /// The distance from the middle at which the angle `theta` from forward appears, for half a field of view `half`.
-    fn radius(self, theta: f64, half: f64) -> f64 {
-        match self {
-            FisheyeProjection::Equidistant => theta / half,
-            FisheyeProjection::Equisolid => fmath::sin64(0.5 * theta) / fmath::sin64(0.5 * half),
-            FisheyeProjection::Stereographic => fmath::tan64(0.5 * theta) / fmath::tan64(0.5 * half),
-            FisheyeProjection::Orthographic => fmath::sin64(theta) / fmath::sin64(half),
-        }
     }
 }
 

@@ -83,7 +83,7 @@ fn orthographic_corners_are_where_the_handout_puts_them() {
         let frame = random_frame(i);
         let camera = OrthographicCamera { frame, size: 3.0, lens: None };
         for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
-            let ray = camera.ray(Vec2::new(x, y), 1.5, Vec2::ZERO);
+            let ray = camera.ray(Vec2::new(x, y), 1.5, Vec2::ZERO).unwrap();
             let (x, y) = (f64::from(x), f64::from(y));
             let expected = frame.center + 3.0 / 2.0 * y * frame.up + 3.0 * 1.5 / 2.0 * x * frame.right;
             assert!(ray.o.as_dvec3().distance(expected) < 1e-5);
@@ -96,9 +96,9 @@ fn orthographic_corners_are_where_the_handout_puts_them() {
 fn perspective_angle_is_vertical() {
     let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     let camera = PerspectiveCamera::new(frame, 90f64.to_radians());
-    let top = camera.ray(Vec2::new(0.0, 1.0), 2.0, Vec2::ZERO).d;
+    let top = camera.ray(Vec2::new(0.0, 1.0), 2.0, Vec2::ZERO).unwrap().d;
     assert!((top - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-6);
-    let right = camera.ray(Vec2::new(1.0, 0.0), 2.0, Vec2::ZERO).d;
+    let right = camera.ray(Vec2::new(1.0, 0.0), 2.0, Vec2::ZERO).unwrap().d;
     assert!((right - Vec3::new(2.0, 0.0, -1.0).normalize()).length() < 1e-6);
 }
 
@@ -106,7 +106,7 @@ fn perspective_angle_is_vertical() {
 fn degenerate_up_sends_the_centre_ray_everywhere() {
     let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Z);
     let camera = PerspectiveCamera::new(frame, 1.0);
-    assert_eq!(camera.ray(Vec2::new(0.7, -0.3), 1.0, Vec2::ZERO).d, Vec3::NEG_Z);
+    assert_eq!(camera.ray(Vec2::new(0.7, -0.3), 1.0, Vec2::ZERO).unwrap().d, Vec3::NEG_Z);
 }
 
 /// The angle between the eyes' views of a point at distance d: asin(r/d) tangent, atan(r/d) twin.
@@ -119,7 +119,7 @@ fn stereo_parallax_has_its_closed_form() {
         // The ray through longitude a passes the eye circle on a tangent; it meets the circle of
         // radius d at angle a - asin(r/d) for the right eye. Solve for the point straight ahead.
         let a = f64::to_radians(degrees);
-        let ray = panorama.ray(Vec2::new((-a / std::f64::consts::PI) as f32, -0.5));
+        let ray = panorama.ray(Vec2::new((-a / std::f64::consts::PI) as f32, -0.5), 1.0, Vec2::ZERO).unwrap();
         let target = Vec3::new(0.0, 0.0, -d as f32);
         let miss = (target - ray.o).cross(ray.d).length();
         assert!(miss < 1e-6 * d as f32 + 1e-7, "{d}: {miss}");
@@ -128,7 +128,7 @@ fn stereo_parallax_has_its_closed_form() {
     for (d, degrees) in [(1.0f64, 1.861_458f64), (2.0, 0.930_974), (10.0, 0.186_213)] {
         let x = -degrees.to_radians().tan();
         // The middle of face 10, the right eye's front face.
-        let ray = twin.ray(Vec2::new(((10.5 + 0.5 * x) / 6.0 - 1.0) as f32, 0.0));
+        let ray = twin.ray(Vec2::new(((10.5 + 0.5 * x) / 6.0 - 1.0) as f32, 0.0), 12.0, Vec2::ZERO).unwrap();
         let miss = (Vec3::new(0.0, 0.0, -d as f32) - ray.o).cross(ray.d).length();
         assert!(miss < 3e-6 * d as f32, "{d}: {miss}");
     }
@@ -161,12 +161,15 @@ fn cube_faces_meet_along_their_edges() {
 fn panorama_poles_and_middle() {
     let frame = CameraFrame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     let plain = PanoramaCamera { frame, eyes: None };
-    assert!(plain.ray(Vec2::ZERO).d.distance(Vec3::NEG_Z) < 1e-6);
-    assert!(plain.ray(Vec2::new(0.5, 0.0)).d.distance(Vec3::X) < 1e-6);
-    assert!(plain.ray(Vec2::new(0.3, 1.0)).d.distance(Vec3::Y) < 1e-6);
+    assert!(plain.ray(Vec2::ZERO, 1.0, Vec2::ZERO).unwrap().d.distance(Vec3::NEG_Z) < 1e-6);
+    assert!(plain.ray(Vec2::new(0.5, 0.0), 1.0, Vec2::ZERO).unwrap().d.distance(Vec3::X) < 1e-6);
+    assert!(plain.ray(Vec2::new(0.3, 1.0), 1.0, Vec2::ZERO).unwrap().d.distance(Vec3::Y) < 1e-6);
     let stereo = PanoramaCamera { frame, eyes: Some(EyePair { separation: 2.0 }) };
     // Left eye on top, looking forward: one unit to the left.
-    assert!(stereo.ray(Vec2::new(0.0, 0.5)).o.distance(Vec3::NEG_X) < 1e-6);
-    assert!(stereo.ray(Vec2::new(0.0, -0.5)).o.distance(Vec3::X) < 1e-6);
-    assert!(stereo.ray(Vec2::new(0.0, 0.999)).o.length() < 1e-6, "no parallax at the pole");
+    assert!(stereo.ray(Vec2::new(0.0, 0.5), 1.0, Vec2::ZERO).unwrap().o.distance(Vec3::NEG_X) < 1e-6);
+    assert!(stereo.ray(Vec2::new(0.0, -0.5), 1.0, Vec2::ZERO).unwrap().o.distance(Vec3::X) < 1e-6);
+    assert!(
+        stereo.ray(Vec2::new(0.0, 0.999), 1.0, Vec2::ZERO).unwrap().o.length() < 1e-6,
+        "no parallax at the pole"
+    );
 }

@@ -145,7 +145,7 @@ impl<'s, 't> Resolver<'s, 't, '_> {
             }
             (Some(_), _) => Freedom::Opening,
             (None, Some(_)) => Freedom::Distance,
-            (None, None) => Freedom::Place,
+            (None, None) => Freedom::Position,
         };
         let direction = match (aim.center, target) {
             (Some(center), Some(target)) => target - center,

@@ -41,17 +41,6 @@ fn who(camera: &Camera, number: usize) -> Who {
     Who { family: "camera", kind: kind(camera), name: format!("number {number}") }
 }
 
-fn frame(camera: &Camera) -> CameraFrame {
-    match camera {
-        Camera::Orthographic(camera) => camera.frame,
-        Camera::Perspective(camera) => *camera.frame(),
-        Camera::Panorama(camera) => camera.frame,
-        Camera::Fisheye(camera) => camera.frame,
-        Camera::StereoCubemap(camera) => camera.frame,
-        Camera::Moving(moving) => frame(&moving.camera),
-    }
-}
-
 #[test]
 fn rays_have_unit_directions() {
     let turn = Motion::still(DAffine3::from_axis_angle(DVec3::ONE.normalize(), 0.7));
@@ -77,7 +66,7 @@ pub(super) fn draws() -> Vec<Draw> {
 
 /// `None` for parallel rays, which have one direction, and for axes that make no picture light could find.
 fn draw(who: Who, camera: Camera) -> Option<Draw> {
-    let frame = frame(&camera);
+    let frame = *camera.frame();
     let local = move |w: Vec3| {
         Vec3::new(w.dot(frame.right.as_vec3()), w.dot(frame.up.as_vec3()), w.dot(frame.forward.as_vec3()))
     };
@@ -165,13 +154,10 @@ fn seen_across(camera: &Camera, frame: &CameraFrame, distance: f64) -> [f64; 2] 
 
 /// Light of unit radiance from a plane: the mean of the picture is 1.
 pub(super) fn furnaces() -> Vec<Furnace> {
-    let connected = |camera: &Camera| {
-        matches!(camera.at_rest(), Camera::Orthographic(_) | Camera::Perspective(_))
-            && frame(camera).is_orthonormal()
-    };
+    let connected = |camera: &Camera| camera.is_connectable() && camera.frame().is_orthonormal();
     let all = cameras().into_iter().enumerate().filter(|(_, camera)| connected(camera));
     all.map(|(i, camera)| {
-        let frame = frame(&camera);
+        let frame = *camera.frame();
         let middle = frame.center + 3.0 * frame.forward;
         let [width, height] = seen_across(&camera, &frame, 3.0);
         Furnace {

@@ -9,7 +9,7 @@ fn fisheye(projection: FisheyeProjection, degrees: f64) -> FisheyeCamera {
 }
 
 fn direction(camera: &FisheyeCamera, x: f64, y: f64) -> DVec3 {
-    camera.ray(Vec2::new(x as f32, y as f32), 1.0).expect("inside the disk").d.as_dvec3()
+    camera.ray(Vec2::new(x as f32, y as f32), 1.0, Vec2::ZERO).expect("inside the disk").d.as_dvec3()
 }
 
 #[test]
@@ -19,10 +19,10 @@ fn the_middle_looks_forward_and_the_edge_to_the_side() {
         assert!(direction(&camera, 0.0, 0.0).distance(DVec3::NEG_Z) < 1e-6);
         assert!(direction(&camera, 1.0, 0.0).distance(DVec3::X) < 1e-4);
         assert!(direction(&camera, 0.0, -1.0).distance(DVec3::NEG_Y) < 1e-4);
-        assert!(camera.ray(Vec2::new(0.8, 0.8), 1.0).is_none(), "outside of the disk");
-        assert!(camera.ray(Vec2::new(0.6, 0.0), 2.0).is_none(), "the disk is as wide as high");
+        assert!(camera.ray(Vec2::new(0.8, 0.8), 1.0, Vec2::ZERO).is_none(), "outside of the disk");
+        assert!(camera.ray(Vec2::new(0.6, 0.0), 2.0, Vec2::ZERO).is_none(), "the disk is as wide as high");
         let filling = FisheyeCamera { to_corners: true, ..camera };
-        let corner = filling.ray(Vec2::ONE, 1.0).expect("the corner").d.as_dvec3();
+        let corner = filling.ray(Vec2::ONE, 1.0, Vec2::ZERO).expect("the corner").d.as_dvec3();
         assert!(corner.distance(DVec3::new(1.0, 1.0, 0.0).normalize()) < 1e-3, "{projection:?} {corner}");
     }
 }

@@ -118,7 +118,7 @@ impl Prepare for BidirectionalSettings {
 
 /// Whether points can be joined with the camera.
 fn connects(scene: &Scene, [width, height]: [u32; 2]) -> bool {
-    let knows_places =
-        matches!(scene.output.camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_));
-    knows_places && !scene.output.rules.corner_samples && !(scene.output.rules.spans_width && width != height)
+    scene.output.camera.is_connectable()
+        && !scene.output.rules.corner_samples
+        && !(scene.output.rules.spans_width && width != height)
 }
