@@ -9,12 +9,15 @@ use crate::emission::{Leaving, VariedEmission};
 use crate::ids::{LightIndex, VariedEmissionId};
 use crate::interaction::{SurfacePoint, SurfaceUv, test_error};
 use crate::light::{
-    AreaLight, BoundingSphere, EmissionPdf, EmissiveSurfaces, LeNumbers, LightChoice, LightHit,
+    AreaLight, BoundingSphere, EmissionPdf, EmissiveSurfaces, LeNumbers, LeavingLight, LightChoice, LightHit,
     LightLeSample, LightLiSample, LightPoint, PowerLightSampler, Receiver,
 };
 use crate::material::{Interior, ShadingPoint};
 use crate::sampler::SampleStream;
 use crate::scene::{Interaction, Scene, rarely};
+
+/// The smallest share of light that holes and panes leave of a segment before chance decides; the light of less can hardly be told from none.
+pub const SMALLEST_SHARE: f32 = f32::EPSILON;
 
 impl Scene {
     /// How light is scattered at an interaction.
@@ -36,17 +39,19 @@ impl Scene {
     /// The share of light that comes straight along a segment between two points in one medium: less than 1 through
     /// holes and panes, and 0 behind anything else. What the medium itself absorbs is left out.
     ///
-    /// An estimate that may be random: what can only be known by chance takes numbers from `_draws`. Holes and panes are
-    /// known.
+    /// An estimate that may be random: shares below [`SMALLEST_SHARE`] are left to chance, so that a segment through a thousand leaves of
+    /// glass or gauze ends early.
     ///
     /// * `eta`: index of refraction of the medium
+    ///
+    /// Takes a number for each crossing that leaves so little.
     #[inline]
     pub fn transmittance(
         &self,
         segment: &Ray,
         eta: f32,
         wavelengths: &Wavelengths,
-        _draws: &mut SampleStream<'_>,
+        draws: &mut SampleStream<'_>,
     ) -> Spectrum {
         if !self.appearance.has_passages {
             return if self.occluded(segment) { Spectrum::BLACK } else { Spectrum::WHITE };
@@ -58,7 +63,7 @@ impl Scene {
             let point = ShadingPoint { context, wavelengths, eta_outside: eta, u: 0.0 };
             let cos = at.crossing_cosine(segment.d);
             passed *= self.appearance.passage(at.material, &point, cos);
-            passed.is_black()
+            passed.max_lane() < SMALLEST_SHARE && rarely(|| !survives(&mut passed, draws))
         });
         if blocked { Spectrum::BLACK } else { passed }
     }
@@ -234,16 +239,26 @@ impl Scene {
     }
 }
 
+/// Russian roulette on a share of light below [`SMALLEST_SHARE`]: it becomes that large with a probability in proportion, else nothing,
+/// which is what it is on average.
+fn survives(passed: &mut Spectrum, draws: &mut SampleStream<'_>) -> bool {
+    let probability = passed.max_lane() / SMALLEST_SHARE;
+    let goes_on = probability > 0.0 && draws.next_1d() < probability;
+    *passed *= if goes_on { 1.0 / probability } else { 0.0 };
+    goes_on
+}
+
 impl EmissiveSurfaces for Scene {
     #[inline(never)]
     fn radiance(
         &self,
         light: &AreaLight,
         emission: VariedEmissionId,
-        (p, d): (Vec3, Vec3),
+        leaving: LeavingLight,
         time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
+        let LeavingLight { p, d } = leaving;
         let primitive = &self.geometry.primitives[light.object.index()];
         let own = self.geometry.transform_of(primitive, time).object_from_world.transform_point3(p);
         let hit = self.geometry.shapes.hit_at(primitive.shape, light.part, own);

@@ -43,7 +43,7 @@ pub struct Arrival {
     /// Index of refraction where it arrives.
     pub eta: f32,
     /// Radiance where the way begins over that where it ends, but for the shift of frequency: `(n / n')^2`.
-    pub squeeze: f32,
+    pub eta_scale: f32,
     /// Frequency where the way begins over that where it ends.
     pub g: f32,
 }
@@ -66,7 +66,8 @@ impl Scene {
     pub fn follow(
         &self,
         ray: &Ray,
-        (medium, body): (MediumId, ObjectId),
+        medium: MediumId,
+        body: ObjectId,
         wavelengths: &Wavelengths,
         at: &mut Interaction,
         passed: impl FnMut(&Ray),
@@ -74,7 +75,7 @@ impl Scene {
         let region = Region { bounds: self.bounds_of(body) };
         let mut chords = SceneChords { scene: self, at, passed };
         let followed = self.appearance.media.follow(medium, ray, &region, wavelengths, &mut chords)?;
-        let Followed { outcome, chord, length, index, squeeze, g, .. } = followed;
+        let Followed { outcome, chord, length, index, eta_scale, g, .. } = followed;
         let mut d = followed.d.as_vec3();
         if outcome == Outcome::Meets {
             // Of light that grazes a surface the tangent may be on the one side and the chord on the other: it was the chord that met it.
@@ -87,8 +88,8 @@ impl Scene {
                 d = chord.d.normalize();
             }
         }
-        let [eta, squeeze, g] = [index, squeeze, g].map(|v| v as f32);
-        Some(Arrival { outcome, d, length: length as f32, chord, eta, squeeze, g })
+        let [eta, eta_scale, g] = [index, eta_scale, g].map(|v| v as f32);
+        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g })
     }
 
     /// A box around a body; around the whole scene where that has no bounds.

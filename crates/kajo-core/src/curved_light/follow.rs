@@ -219,7 +219,7 @@ impl<E: RayEquation> BodyUnits<'_, E> {
             length: y[6] - start[6],
             time: y[7] - start[7],
             index,
-            squeeze: ratio * ratio,
+            eta_scale: ratio * ratio,
             g: self.equation.frequency_ratio(start, &y),
             normals: self.equation.normals(&y),
         }
@@ -233,7 +233,7 @@ impl<E: RayEquation> BodyUnits<'_, E> {
             length: 0.0,
             time: 0.0,
             index: 1.0,
-            squeeze: 1.0,
+            eta_scale: 1.0,
             g: 1.0,
             normals: None,
         }

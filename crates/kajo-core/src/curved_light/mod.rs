@@ -191,7 +191,7 @@ pub struct Followed {
     /// Index of refraction at the end.
     pub index: f64,
     /// Radiance where the way begins over that where it ends, but for the shift of frequency: `(n / n')^2`.
-    pub squeeze: f64,
+    pub eta_scale: f64,
     /// Frequency where the way begins over that where it ends.
     pub g: f64,
     /// [`RayEquation::normals`] at the end.

@@ -16,7 +16,7 @@ use kajo_math::{Aabb, Frame, Vec2, Vec3, warp};
 use super::sample::INVERSE_SQUARE;
 use super::{
     BoundingSphere, EmissionDensity, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers,
-    LightBounds, LightLeSample, LightLiSample, LightPoint, Receiver,
+    LeavingLight, LightBounds, LightLeSample, LightLiSample, LightPoint, Receiver,
 };
 use crate::ids::{ObjectId, VariedEmissionId};
 use crate::motion::MovingTransform;
@@ -94,11 +94,11 @@ impl AreaLight {
 
     /// The radiance of a point at a time.
     ///
-    /// * `leaving`: the point, and the unit direction in which light leaves it
+    /// * `leaving`: the point, and where its light goes
     #[inline]
     fn radiance(
         &self,
-        leaving: (Vec3, Vec3),
+        leaving: LeavingLight,
         time: f32,
         wavelengths: &Wavelengths,
         surfaces: &impl EmissiveSurfaces,
@@ -192,7 +192,7 @@ impl Emitter for AreaLight {
         if !self.sides.emit(-wi.dot(n)) {
             return None;
         }
-        let radiance = self.radiance((at.p, -wi), to.time, wavelengths, surfaces);
+        let radiance = self.radiance(LeavingLight { p: at.p, d: -wi }, to.time, wavelengths, surfaces);
         let point = LightPoint::Surface { p: at.p, p_error: at.p_error, n };
         Some(LightLiSample { wi, radiance, pdf: at.pdf, is_delta: false, at: point })
     }
@@ -255,7 +255,7 @@ impl Emitter for AreaLight {
         Some(LightLeSample {
             at,
             d,
-            radiance: self.radiance((drawn.p, d), time, wavelengths, surfaces),
+            radiance: self.radiance(LeavingLight { p: drawn.p, d }, time, wavelengths, surfaces),
             attenuation: INVERSE_SQUARE,
             pdf: self.pdf_le(time, &at, d, world),
             is_delta: false,

@@ -59,6 +59,15 @@ pub struct Illumination {
     pub intensity: Spectrum,
 }
 
+/// Light that leaves a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct LeavingLight {
+    /// The point that it leaves, in world space.
+    pub p: Vec3,
+    /// Unit direction in which it goes.
+    pub d: Vec3,
+}
+
 /// What lights ask about the surfaces that they are.
 ///
 /// A light knows its geometry; what is painted on a surface is known to the scene, which answers here.
@@ -67,13 +76,13 @@ pub trait EmissiveSurfaces {
     ///
     /// * `light`: the patch that the point lies on
     /// * `emission`: its [`AreaLight::varied`]
-    /// * the point in world space, and the unit direction in which its light goes
+    /// * `leaving`: the point and where its light goes
     /// * `time`: moment within the shutter interval
     fn radiance(
         &self,
         light: &AreaLight,
         emission: VariedEmissionId,
-        leaving: (Vec3, Vec3),
+        leaving: LeavingLight,
         time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum;

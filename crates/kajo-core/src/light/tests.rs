@@ -33,7 +33,7 @@ impl EmissiveSurfaces for MeanEmission {
         &self,
         light: &AreaLight,
         _emission: VariedEmissionId,
-        _leaving: (Vec3, Vec3),
+        _leaving: LeavingLight,
         _time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum {

@@ -13,7 +13,7 @@ use kajo_core::settings::IntegratorName;
 use kajo_core::space::Space;
 use kajo_math::Vec2;
 
-use super::photon::emission::{Emission, Wanted};
+use super::photon::emission::{Emission, PhotonRequest, Wanted};
 use super::{IntegratorSpec, NAMES, Path, PathSettings, bidir, classic, path};
 use crate::{Layer, LayerSet, PixelIntegrator, SampleContext, Setup, Silent};
 
@@ -125,7 +125,8 @@ fn caustics(scene: &Scene) -> f32 {
     const MOST_MIRRORS: u32 = 8;
     let emission = Emission::new(scene, LIGHT_PATHS, MOST_MIRRORS, false);
     let setup = Setup { seed: 0, threads: 1, memory: u64::MAX, progress: &Silent };
-    let found = emission.emit(0, &Wavelengths::RGB, (Wanted::Caustic, false), &setup);
+    let found =
+        emission.emit(0, &Wavelengths::RGB, PhotonRequest { map: Wanted::Caustic, caustics: false }, &setup);
     found.map_or(0.0, |batch| batch.photons.len() as f32 / LIGHT_PATHS as f32)
 }
 

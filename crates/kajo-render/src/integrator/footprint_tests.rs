@@ -81,8 +81,14 @@ fn check(scene: &Scene, way: &[SurfaceKind], tolerance: f32) -> usize {
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let draws = SampleStream::new(&sampler, 0, [0, 0], 0);
     let start = |ray: Ray| {
-        let carried = (Wavelengths::RGB, Spectrum::WHITE);
-        PathState::new(ray, carried, Transport::Radiance, MediumStack::default(), draws)
+        PathState::new(
+            ray,
+            Wavelengths::RGB,
+            Spectrum::WHITE,
+            Transport::Radiance,
+            MediumStack::default(),
+            draws,
+        )
     };
     let mut compared = 0;
     for (x, y) in (3..SIZE[0]).step_by(7).flat_map(|x| (3..SIZE[1]).step_by(7).map(move |y| (x, y))) {

@@ -130,8 +130,7 @@ impl Path<'_> {
         let Some(ray) = self.view.ray(raster, &mut draws) else { return (PixelSample::default(), indirect) };
         let wavelengths = self.view.wavelengths(&mut draws);
         let media = self.view.media_around(&ray, &wavelengths);
-        let carried = (wavelengths, Spectrum::WHITE);
-        let mut state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        let mut state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         state.differential = differential;
         if self.carries_media {
             state.carries_media = true;

@@ -70,7 +70,7 @@ fn parallel_rays_meet_at_the_far_side_of_a_luneburg_ball() {
         assert!(off < 3e-6, "height {h}: {off} from the pole");
         let d = DVec3::new((1.0 - h * h).sqrt(), -h, 0.0);
         assert!(followed.d.distance(d) < 3e-6, "height {h}: {} for {d}", followed.d);
-        assert!((followed.index - 1.0).abs() < 1e-6 && (followed.squeeze - 1.0).abs() < 1e-5);
+        assert!((followed.index - 1.0).abs() < 1e-6 && (followed.eta_scale - 1.0).abs() < 1e-5);
         // Chords join, and none of them is far from the ball's inside.
         for pair in ball.passed.windows(2) {
             assert_eq!(pair[0].o + pair[0].d, pair[1].o);
@@ -179,7 +179,7 @@ fn rays_in_a_linear_square_are_parabolas() {
         let z = p.x * tan64(angle) + g * p.x * p.x / (2.0 * n0 * n0 * cos64(angle) * cos64(angle));
         assert!((p.z - z).abs() < 1e-6, "{p}: {z}");
         let n = (n0 * n0 + 2.0 * g * p.z).sqrt();
-        assert!((followed.index - n).abs() < 1e-6 && (followed.squeeze - n0 * n0 / (n * n)).abs() < 1e-6);
+        assert!((followed.index - n).abs() < 1e-6 && (followed.eta_scale - n0 * n0 / (n * n)).abs() < 1e-6);
         assert!((p.length() - 1.0).abs() < 1e-6);
     }
 }

@@ -32,10 +32,21 @@ use crate::integrator::transport::{
 };
 use crate::trail::{About, PathObserver, RayKind};
 
-/// Densities of the light's end of a path and of the way to the next point, the geometry there left out. Of a light
-/// infinitely far away the direction is its end.
-pub fn parts(pdf: EmissionPdf, is_infinite: bool) -> (f32, f32) {
-    if is_infinite { (pdf.direction, pdf.position) } else { (pdf.position, pdf.direction) }
+/// Densities with which a path from a light begins. Of a light infinitely far away the direction is its end.
+#[derive(Clone, Copy, Debug)]
+pub struct LightEndPdf {
+    /// Of the light's end of the path.
+    pub end: f32,
+    /// Of the way to the next point, the geometry there left out.
+    pub onward: f32,
+}
+
+impl LightEndPdf {
+    pub fn new(pdf: EmissionPdf, is_infinite: bool) -> LightEndPdf {
+        let EmissionPdf { position, direction } = pdf;
+        let [end, onward] = if is_infinite { [direction, position] } else { [position, direction] };
+        LightEndPdf { end, onward }
+    }
 }
 
 /// What a segment that joins two vertices is to be told about.
@@ -61,17 +72,18 @@ struct Share {
 impl<V: Volume> Bidirectional<'_, V> {
     /// `s = 0`: the emission of a surface that the camera's path hits, `beta Le w`.
     ///
-    /// * `from`: the camera's ray, and the vertex before, `None` where that is the lens
+    /// * `from`: the vertex before, `None` where that is the lens
     pub(super) fn hit_emission(
         &self,
         path: &Subpath<'_>,
         at: &Interaction,
         wo: Vec3,
-        (camera_ray, from): (&Ray, Option<&Vertex<'_, V>>),
+        camera_ray: &Ray,
+        from: Option<&Vertex<'_, V>>,
     ) -> Option<Contribution> {
         let hit = self.scene().surface_light(at, -wo, &path.state.wavelengths)?;
         let (p, end) = (at.point.p, LightPoint::on(&at.point));
-        let seen = || self.mis_weight_of_seen(path, camera_ray, (hit.light, &end));
+        let seen = || self.mis_weight_of_seen(path, camera_ray, hit.light, &end);
         let weight = from.map_or_else(seen, |from| {
             let cosine = end.cosine(wo);
             let pdf_li = self.pdf_li(hit.light, &from.receiver(at.time), &end, -wo) * cosine
@@ -89,7 +101,8 @@ impl<V: Volume> Bidirectional<'_, V> {
         &self,
         path: &Subpath<'_>,
         d: Vec3,
-        (camera_ray, from): (&Ray, Option<&Vertex<'_, V>>),
+        camera_ray: &Ray,
+        from: Option<&Vertex<'_, V>>,
         mut found: impl FnMut(Contribution),
     ) {
         let scene = self.scene();
@@ -97,7 +110,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         for hit in scene.lights_at_infinity(d, wavelengths) {
             let seen = || {
                 let end = LightPoint::Infinite { through: camera_ray.o };
-                self.mis_weight_of_seen(path, camera_ray, (hit.light, &end))
+                self.mis_weight_of_seen(path, camera_ray, hit.light, &end)
             };
             let weight = from.map_or_else(seen, |from| {
                 let end = LightPoint::Infinite { through: from.at.p };
@@ -134,17 +147,17 @@ impl<V: Volume> Bidirectional<'_, V> {
         };
         let is_infinite = at.is_infinite();
         let distance = if is_infinite { f32::INFINITY } else { at.p().distance(z.at.p) };
-        let Some(share) = self.along((z, wi, distance), &segment, Joining::from(path), observer) else {
+        let Some(share) = self.along(z, wi, distance, &segment, Joining::from(path), observer) else {
             self.tell(observer, &join, &path.wavelengths, None);
             return None;
         };
-        let (end, rest) = self.pdf_le(light, time, &at, -wi);
+        let LightEndPdf { end, onward } = self.pdf_le(light, time, &at, -wi);
         let thinning = if is_infinite { 1.0 } else { 1.0 / (distance * distance) };
         let pdf_li = pdf * at.solid_angle_per_area(wi, distance * distance);
         // [Georgiev 2012, eq. 44 and 45]
         let by_camera = V::scaled(z.pdf(z.wo, wi), || share.reach);
         let w_light = if is_delta { 0.0 } else { square(by_camera / pdf) };
-        let arriving = V::scaled(rest * z.cosine(wi) * thinning, || share.reach * sigma_t(z));
+        let arriving = V::scaled(onward * z.cosine(wi) * thinning, || share.reach * sigma_t(z));
         let w_camera = square(end / pdf_li) * z.mis.weighed(arriving, z.pdf(wi, z.wo));
         let found = Contribution {
             way: [1, t],
@@ -187,7 +200,7 @@ impl<V: Volume> Bidirectional<'_, V> {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y) * lanes(z), draws };
-        let Some(share) = self.along((z, wi, distance), &segment, with, observer) else {
+        let Some(share) = self.along(z, wi, distance, &segment, with, observer) else {
             self.tell(observer, &join, wavelengths, None);
             return None;
         };
@@ -245,7 +258,7 @@ impl<V: Volume> Bidirectional<'_, V> {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y), draws };
-        let share = self.along((y, to.wi, to.distance), &segment, with, observer)?;
+        let share = self.along(y, to.wi, to.distance, &segment, with, observer)?;
         // [Georgiev 2012, eq. 46 and 47]
         let arriving = weighted_pdf_across(to.pdf_across) * y.cosine(to.wi);
         let arriving = V::scaled(arriving, || share.reach * sigma_t(y));
@@ -294,7 +307,7 @@ impl<V: Volume> Bidirectional<'_, V> {
             true => self.through_media(&segment, &media, with, observer)?,
             false => {
                 let eta = media.eta_of_segment(scene);
-                let visible = connect(scene, &segment, eta, (wavelengths, with.draws), observer);
+                let visible = connect(scene, &segment, eta, wavelengths, with.draws, observer);
                 if visible.is_black() {
                     return None;
                 }
@@ -318,12 +331,13 @@ impl<V: Volume> Bidirectional<'_, V> {
 
     /// The weight of light at the end of the camera's ray, which [`Bidirectional::light_on_lens`] finds, too.
     ///
-    /// * `end`: the light, and the point of it
+    /// * `end`: the point of the light
     fn mis_weight_of_seen(
         &self,
         path: &Subpath<'_>,
         camera_ray: &Ray,
-        (light, end): (LightIndex, &LightPoint),
+        light: LightIndex,
+        end: &LightPoint,
     ) -> f32 {
         let &Ray { o, d, time, .. } = camera_ray;
         if !path.state.connectable || !self.joins_lens() {
@@ -343,7 +357,9 @@ impl<V: Volume> Bidirectional<'_, V> {
     #[inline]
     fn along(
         &self,
-        (z, wi, distance): (&Vertex<'_, V>, Vec3, f32),
+        z: &Vertex<'_, V>,
+        wi: Vec3,
+        distance: f32,
         segment: &Ray,
         with: Joining<'_, '_>,
         observer: &mut impl PathObserver,
@@ -351,7 +367,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         if let Some(volume) = z.volume.filled() {
             return self.through_media(segment, &volume.media[z.side(wi)], with, observer);
         }
-        let visible = connect(self.scene(), segment, z.eta(wi), (with.wavelengths, with.draws), observer);
+        let visible = connect(self.scene(), segment, z.eta(wi), with.wavelengths, with.draws, observer);
         let share = || Share { within: z.transmittance(wi, distance), visible, reach: 1.0 };
         (!visible.is_black()).then(share)
     }
@@ -402,14 +418,14 @@ impl<V: Volume> Bidirectional<'_, V> {
         self.scene().pdf_li(light, to, at, wi, self.settings.light_choice)
     }
 
-    /// [`parts`] of the density with which a path from a light begins along `d`, with the choice of the light.
-    fn pdf_le(&self, light: LightIndex, time: f32, at: &LightPoint, d: Vec3) -> (f32, f32) {
+    /// The densities with which a path from a light begins along `d`, with the choice of the light.
+    fn pdf_le(&self, light: LightIndex, time: f32, at: &LightPoint, d: Vec3) -> LightEndPdf {
         if V::CARRIED && self.is_hidden(at) {
-            return (0.0, 0.0);
+            return LightEndPdf { end: 0.0, onward: 0.0 };
         }
         let pdf = self.scene().pdf_le(light, time, at, d, self.power_sampler.world());
-        let (end, rest) = parts(pdf, at.is_infinite());
-        (end * self.power_sampler.pmf(light), rest)
+        let LightEndPdf { end, onward } = LightEndPdf::new(pdf, at.is_infinite());
+        LightEndPdf { end: end * self.power_sampler.pmf(light), onward }
     }
 }
 
@@ -426,7 +442,8 @@ fn lanes<V: Volume>(vertex: &Vertex<'_, V>) -> Spectrum {
 /// The weight of light that the camera's path met [Georgiev 2012, eq. 43].
 ///
 /// * `pdf_li`: density per area of the light's end of the path among lights drawn for a vertex
-/// * `pdf_le`: densities of the end and of the way on among paths from lights
-fn mis_weight_of_hit(mis: &PartialMis, pdf_li: f32, (end, rest): (f32, f32)) -> f32 {
-    mis_weight(0.0, square(pdf_li) * mis.d_vcm + square(end) * square(rest) * mis.d_vc)
+/// * `pdf_le`: densities among paths from lights
+fn mis_weight_of_hit(mis: &PartialMis, pdf_li: f32, pdf_le: LightEndPdf) -> f32 {
+    let LightEndPdf { end, onward } = pdf_le;
+    mis_weight(0.0, square(pdf_li) * mis.d_vcm + square(end) * square(onward) * mis.d_vc)
 }

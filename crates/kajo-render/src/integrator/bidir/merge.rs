@@ -176,7 +176,8 @@ impl Merging {
     fn stored<V: Volume>(
         &self,
         vertex: &Vertex<'_, V>,
-        (scatterings, moment): (u32, u8),
+        scatterings: u32,
+        moment: u8,
         dither: f32,
     ) -> Option<LightVertex> {
         let arrival = Arrival {
@@ -205,7 +206,7 @@ impl Merging {
 impl Merging {
     /// What a merged path counts if `y`, drawn from the light, and `z`, drawn from the camera, are one.
     pub fn mis_weight_of(&self, y: &Vertex<'_>, z: &Vertex<'_>) -> f32 {
-        let stored = self.stored(y, (0, 0), 0.5).expect("a vertex that can be merged");
+        let stored = self.stored(y, 0, 0, 0.5).expect("a vertex that can be merged");
         self.mis_weight(&stored, z, y.wo)
     }
 
@@ -233,7 +234,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             let mut counting = Counting::new(&SampleContext::new(&sampler, 0));
             for i in begin..end {
                 let draws = SampleStream::new(&sampler, mix(setup.seed ^ SALT), [pass.k, 0], i);
-                self.keep_path(&merging, draws, (&mut counting, &mut path), i, &mut batch);
+                self.keep_path(&merging, draws, &mut counting, &mut path, i, &mut batch);
             }
             // All of them are copied once.
             let bytes = (2 * batch.len() * size_of::<LightVertex>()) as u64;
@@ -261,7 +262,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         &self,
         merging: &Merging,
         mut draws: SampleStream<'_>,
-        (counting, path): (&mut Counting, &mut Vec<Vertex<'a, V>>),
+        counting: &mut Counting,
+        path: &mut Vec<Vertex<'a, V>>,
         i: u32,
         batch: &mut Vec<LightVertex>,
     ) {
@@ -274,7 +276,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         for (j, vertex) in (0..).zip(&*path) {
             // A golden sequence rounds the powers of many photons evenly.
             let dither = i.wrapping_mul(0x9E37_79B9).wrapping_add(0x6180_3399u32.wrapping_mul(j));
-            batch.extend(merging.stored(vertex, (j, moment), unit(dither)));
+            batch.extend(merging.stored(vertex, j, moment, unit(dither)));
         }
     }
 
@@ -293,7 +295,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         }
         merging.weigh(self.scene(), &end.surface, z);
         let Some(p) = z.merged_at.filter(|_| !z.is_delta()) else { return };
-        let (t, Carried { wavelengths, time, .. }) = (end.t, end.began.1);
+        let (t, Carried { wavelengths, time, .. }) = (end.t, end.carried);
         let (moment, most) = (merging.moment(time), self.longest() - 1 - t);
         let point = GatherPoint { p, n: z.at.ng };
         merging.map.within(&point, merging.pass.radius, |y| {

@@ -52,7 +52,7 @@ use super::transport::{
 };
 use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
-use connect::parts;
+use connect::LightEndPdf;
 #[cfg(test)]
 pub(super) use merge::LightVertex;
 pub(super) use merge::{MergePass, Merging};
@@ -149,6 +149,16 @@ struct VisibleSurface {
     albedo: Option<[f32; 3]>,
 }
 
+impl VisibleSurface {
+    /// Light was scattered by a medium where the camera's ray has come to no surface yet.
+    fn begin_in_medium(&mut self) {
+        if self.first.is_none() {
+            self.begins_in_medium = true;
+            self.first = Some(Interaction::default());
+        }
+    }
+}
+
 /// The path from the camera while it grows.
 struct CameraEnd<'a, 's, 'b, V> {
     path: Subpath<'s>,
@@ -161,8 +171,9 @@ struct CameraEnd<'a, 's, 'b, V> {
     /// Vertices once the ray has ended, the lens included.
     t: u32,
     visible: VisibleSurface,
-    /// The camera's ray, and what the sample began with.
-    began: (&'a Ray, Carried<'a>),
+    camera_ray: &'a Ray,
+    /// What the sample began with.
+    carried: Carried<'a>,
 }
 
 impl<'a> Bidirectional<'a> {
@@ -232,7 +243,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         mut draws: SampleStream<'_>,
         observer: &mut O,
         raster: Vec2,
-        (light_path, merging): (&mut Vec<Vertex<'a, V>>, Option<&Merging>),
+        light_path: &mut Vec<Vertex<'a, V>>,
+        merging: Option<&Merging>,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
         light_path.clear();
@@ -257,7 +269,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             }
         }
         observer.back_to(root);
-        self.follow_camera(observer, light_path, (draws, ray), carried, found)
+        self.follow_camera(observer, light_path, draws, ray, carried, found)
     }
 
     /// Fills `vertices` with a path from a light. Returns the random numbers that are left.
@@ -273,17 +285,13 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
     ) -> SampleStream<'s> {
         let scene = self.scene();
         let Carried { wavelengths, time, hero, merging } = carried;
-        let world = self.power_sampler.world();
-        draws.skip(1);
-        let [position, direction] = [draws.next_2d(), draws.next_2d()];
-        let Some(chosen) = self.power_sampler.sample(position.x) else { return draws };
+        let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);
+        let Some((chosen, emitted)) = drawn else { return draws };
         let SampledLight { light, probability, .. } = chosen;
-        let numbers = LeNumbers { position: chosen.pair(position), direction };
-        let Some(emitted) = scene.sample_le(light, time, numbers, wavelengths, world) else { return draws };
         if V::CARRIED && self.is_hidden(&emitted.at) {
             return draws;
         }
-        let mut path = light_end(scene, &emitted, (time, probability), wavelengths, draws);
+        let mut path = light_end(scene, &emitted, time, probability, wavelengths, draws);
         if V::CARRIED {
             path.state.carry_media(hero);
         }
@@ -313,13 +321,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
                 Some(at) => path.vertex_in_medium(scene, at, group),
             };
             if vertices.is_empty() {
-                // A connection with the light itself draws a point anew. [Georgiev 2012, eq. 31]
-                let wi = -emitted.d;
-                let pdf_li = self.pdf_li(light, &vertex.receiver(time), &emitted.at, wi);
-                let distance2 = emitted.at.p().distance_squared(vertex.at.p);
-                let spread = emitted.at.solid_angle_per_area(wi, distance2);
-                let end = probability * parts(emitted.pdf, emitted.at.is_infinite()).0;
-                vertex.mis.d_vcm *= square(pdf_li * spread / end);
+                self.weigh_first(&mut vertex, &emitted, chosen, time);
             }
             if let Some(merging) = merging.filter(|_| collision.is_none()) {
                 merging.weigh(scene, &surface, &mut vertex);
@@ -329,12 +331,29 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             if vertices.len() as u32 + 2 == self.longest() {
                 break;
             }
-            let (reached, roulette) = ((&surface, collision.as_ref()), self.settings.roulette);
-            if !path.scatter_at(&vertex, reached, roulette, observer) {
+            if !path.scatter_at(&vertex, &surface, collision.as_ref(), self.settings.roulette, observer) {
                 break;
             }
         }
         path.state.draws
+    }
+
+    /// Weighs the first vertex of a path from a light: a connection of the vertex with the light itself draws a point of that anew.
+    /// [Georgiev 2012, eq. 31]
+    #[inline]
+    fn weigh_first(
+        &self,
+        vertex: &mut Vertex<'_, V>,
+        emitted: &LightLeSample,
+        chosen: SampledLight,
+        time: f32,
+    ) {
+        let wi = -emitted.d;
+        let pdf_li = self.pdf_li(chosen.light, &vertex.receiver(time), &emitted.at, wi);
+        let distance2 = emitted.at.p().distance_squared(vertex.at.p);
+        let spread = emitted.at.solid_angle_per_area(wi, distance2);
+        let end = chosen.probability * LightEndPdf::new(emitted.pdf, emitted.at.is_infinite()).end;
+        vertex.mis.d_vcm *= square(pdf_li * spread / end);
     }
 
     /// Follows a path from the camera and connects each of its vertices with the light's path.
@@ -342,14 +361,14 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         &self,
         observer: &mut O,
         light_path: &[Vertex<'_, V>],
-        (draws, ray): (SampleStream<'_>, Ray),
+        draws: SampleStream<'_>,
+        ray: Ray,
         carried: Carried<'_>,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
         let wavelengths = carried.wavelengths;
         let media = self.view.media_around(&ray, wavelengths);
-        let white = (*wavelengths, Spectrum::WHITE);
-        let mut state = PathState::new(ray, white, Transport::Radiance, media, draws);
+        let mut state = PathState::new(ray, *wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         if V::CARRIED {
             state.carry_media(carried.hero);
         }
@@ -360,7 +379,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             from: None,
             t: 2,
             visible: VisibleSurface::default(),
-            began: (&ray, carried),
+            camera_ray: &ray,
+            carried,
         };
         observer.counters().camera += 1;
         observer.next(RayKind::Camera);
@@ -382,8 +402,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             if !z.is_delta() {
                 self.connect_vertex(&mut end, &z, light_path, observer, found);
             }
-            let (reached, roulette) = ((&end.surface, end.collision.as_ref()), self.settings.roulette);
-            if !end.path.scatter_at(&z, reached, roulette, observer) {
+            let collision = end.collision.as_ref();
+            if !end.path.scatter_at(&z, &end.surface, collision, self.settings.roulette, observer) {
                 break;
             }
             end.from = Some(z);
@@ -404,7 +424,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> Option<Bsdf<'a>> {
         let scene = self.scene();
-        let CameraEnd { path, surface, from, t, visible, collision, began: (camera_ray, carried) } = end;
+        let CameraEnd { path, surface, from, t, visible, collision, camera_ray, carried } = end;
         let wavelengths = carried.wavelengths;
         if V::CARRIED {
             *collision = None;
@@ -420,7 +440,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             match event {
                 Event::Surface => {}
                 Event::Escaped(d) => {
-                    self.hit_background(path, d, (camera_ray, from.as_ref()), |far| {
+                    self.hit_background(path, d, camera_ray, from.as_ref(), |far| {
                         observer.found(|| far.value(wavelengths));
                         found(far, wavelengths);
                     });
@@ -429,10 +449,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
                 Event::Medium(at) if V::CARRIED => {
                     if *t == 2 {
                         self.see(path, camera_ray, at.p);
-                        if visible.first.is_none() {
-                            visible.begins_in_medium = true;
-                            visible.first = Some(Interaction::default());
-                        }
+                        visible.begin_in_medium();
                     }
                     *collision = Some(at);
                     return (!is_last).then_some(Bsdf::Null);
@@ -442,7 +459,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             if *t == 2 {
                 self.see(path, camera_ray, surface.at.point.p);
             }
-            if let Some(hit) = self.hit_emission(path, &surface.at, surface.wo, (camera_ray, from.as_ref())) {
+            if let Some(hit) = self.hit_emission(path, &surface.at, surface.wo, camera_ray, from.as_ref()) {
                 observer.found(|| hit.value(wavelengths));
                 found(hit, wavelengths);
             }
@@ -486,7 +503,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) {
-        let (t, carried) = (end.t, end.began.1);
+        let (t, carried) = (end.t, end.carried);
         let wavelengths = carried.wavelengths;
         if let Some(lit) = self.direct_light(&mut end.path.state, z, t, observer) {
             found(lit, wavelengths);
@@ -500,37 +517,57 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
     }
 }
 
+/// Light that leaves a light chosen by its power; `None` where none does.
+///
+/// Leaves one number out and takes four.
+#[inline]
+pub(super) fn sample_emitted(
+    scene: &Scene,
+    lights: &PowerLightSampler,
+    time: f32,
+    wavelengths: &Wavelengths,
+    draws: &mut SampleStream<'_>,
+) -> Option<(SampledLight, LightLeSample)> {
+    draws.skip(1);
+    let [position, direction] = [draws.next_2d(), draws.next_2d()];
+    let chosen = lights.sample(position.x)?;
+    let numbers = LeNumbers { position: chosen.pair(position), direction };
+    let emitted = scene.sample_le(chosen.light, time, numbers, wavelengths, lights.world())?;
+    Some((chosen, emitted))
+}
+
 /// The beginning of a path from a light.
 ///
 /// * `chance`: probability with which the light was chosen
 pub(super) fn light_end<'s>(
     scene: &Scene,
     emitted: &LightLeSample,
-    (time, chance): (f32, f32),
+    time: f32,
+    chance: f32,
     wavelengths: &Wavelengths,
     draws: SampleStream<'s>,
 ) -> Subpath<'s> {
     let is_infinite = emitted.at.is_infinite();
-    let (end, pdf) = parts(emitted.pdf, is_infinite);
+    let LightEndPdf { end, onward } = LightEndPdf::new(emitted.pdf, is_infinite);
     let end = chance * end;
     // [Georgiev 2012, eq. 31 and 32], for lights without extent [eq. 48]
     let d_vcm = if emitted.is_delta { 0.0 } else { square(end).recip() };
     let departure = subpath::Departure {
         p: emitted.at.p(),
-        pdf,
+        pdf: onward,
         is_parallel: is_infinite,
         cosine: emitted.cosine(),
         eta: 1.0,
         pdf_back: 0.0,
         mis: PartialMis { d_vcm, d_vc: 0.0 },
     };
-    let carried = (*wavelengths, emitted.power() * (1.0 / chance));
+    let power = emitted.power() * (1.0 / chance);
     let ray = emitted.ray(time);
     let media = match is_infinite {
         true => MediumStack::air(scene),
         false => MediumStack::around(scene, &ray, wavelengths),
     };
-    let state = PathState::new(ray, carried, Transport::Importance, media, draws);
+    let state = PathState::new(ray, *wavelengths, power, Transport::Importance, media, draws);
     let departure = subpath::Departure { eta: media.eta(), ..departure };
     Subpath { state: PathState { connectable: true, ..state }, departure }
 }
@@ -575,7 +612,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
         let visible =
-            self.estimate(*draws, observer, raster, (&mut path, merging), &mut |found, wavelengths| {
+            self.estimate(*draws, observer, raster, &mut path, merging, &mut |found, wavelengths| {
                 let value = found.value(wavelengths);
                 match found.raster {
                     Some(raster) => splats.add(raster, value),

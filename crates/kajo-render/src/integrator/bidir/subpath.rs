@@ -60,8 +60,8 @@ impl Subpath<'_> {
         let Departure { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.departure;
         let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
         // cos dw n^2 of a narrow beam is the same at both ends, whatever the way between them. No straight way ends at another index.
-        let squeeze = if self.state.connectable { 1.0 } else { self.departure.eta / self.state.media.eta() };
-        let g = self.departure.cosine * thinning * squeeze * squeeze;
+        let eta = if self.state.connectable { 1.0 } else { self.departure.eta / self.state.media.eta() };
+        let g = self.departure.cosine * thinning * eta * eta;
         let connectable = self.state.connectable;
         let growth = Growth { pdf: pdf * cosine * thinning, g, pdf_back, connectable };
         mis.grown(if V::CARRIED { grown_through_media(growth, &self.state, collision) } else { growth })
@@ -157,12 +157,13 @@ impl Subpath<'_> {
 
     /// Goes on from a vertex, on a surface or in a medium; `false` when the path ends there.
     ///
-    /// * `reached`: the surface, and the collision where that came first
+    /// * `collision`: where that came before the surface
     #[inline]
     pub fn scatter_at<V: Volume>(
         &mut self,
         vertex: &Vertex<'_, V>,
-        (surface, collision): (&SurfaceInteraction, Option<&MediumInteraction>),
+        surface: &SurfaceInteraction,
+        collision: Option<&MediumInteraction>,
         roulette: bool,
         observer: &mut impl PathObserver,
     ) -> bool {

@@ -238,7 +238,7 @@ impl<'b, 'a> Builder<'b, 'a> {
         let wavelengths = Wavelengths::RGB;
         let u = draws.number_if(scene.has_media());
         let mut state =
-            PathState::new(ray, (wavelengths, Spectrum::WHITE), Transport::Radiance, seen.media, draws);
+            PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, seen.media, draws);
         (state.scatterings, state.connectable) = (1, true);
         if scene.has_media() {
             state.carries_media = true;

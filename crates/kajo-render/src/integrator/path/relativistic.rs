@@ -84,7 +84,7 @@ impl Integrator for RelativisticPath<'_> {
         let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
         let wavelengths = self.view.wavelengths(&mut draws);
         let media = self.view.media_around(&ray, &wavelengths);
-        let state = PathState::new(ray, (wavelengths, Spectrum::WHITE), Transport::Radiance, media, draws);
+        let state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         observer.counters().camera += 1;
         let pivot = self.pivot.or_else(|| self.view.pivot(ray.time)).unwrap_or(ray.o);
         let seen = self.all.observed(&ray, pivot);

@@ -10,12 +10,12 @@
 
 use kajo_color::Wavelengths;
 use kajo_core::LightGroup;
-use kajo_core::light::{LeNumbers, PowerLightSampler, SampledLight};
+use kajo_core::light::{PowerLightSampler, SampledLight};
 use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_math::rng::mix;
 
-use crate::integrator::bidir::{Clear, light_end, shade_one_way};
+use crate::integrator::bidir::{Clear, light_end, sample_emitted, shade_one_way};
 use crate::integrator::photon_map::{Arrival, Photon};
 use crate::integrator::transport::{Event, SurfaceInteraction, advance, pass_straight};
 use crate::trail::{Counting, PathObserver};
@@ -37,6 +37,15 @@ pub enum Wanted {
     Indirect,
     /// Those that came by mirrors and glass alone; the path then ends.
     Caustic,
+}
+
+/// Which photons are wanted of the paths of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PhotonRequest {
+    /// Those of the map.
+    pub map: Wanted,
+    /// Whether those of caustics are wanted by themselves, too.
+    pub caustics: bool,
 }
 
 /// Sends photons out.
@@ -62,6 +71,23 @@ pub struct PhotonBatch {
     pub rays: RayCounters,
 }
 
+impl PhotonBatch {
+    /// Keeps a photon where it is wanted.
+    ///
+    /// * `is_held_up`: whether no connection with a light finds what brought it
+    /// * `is_caustic`: whether it came by mirrors and glass alone
+    #[inline]
+    fn keep(&mut self, photon: Photon, wanted: PhotonRequest, is_held_up: bool, is_caustic: bool) {
+        let is_wanted = match wanted.map {
+            Wanted::All => true,
+            Wanted::Indirect => is_held_up,
+            Wanted::Caustic => is_caustic,
+        };
+        self.photons.extend(is_wanted.then_some(photon));
+        self.caustics.extend((wanted.caustics && is_caustic).then_some(photon));
+    }
+}
+
 impl<'a> Emission<'a> {
     pub fn new(scene: &'a Scene, paths: u32, bounces: u32, roulette: bool) -> Emission<'a> {
         let sampler = Sampler::new(SamplerKind::Sobol, paths);
@@ -75,15 +101,13 @@ impl<'a> Emission<'a> {
 
     /// The photons of map `k`.
     ///
-    /// * `both`: whether those of caustics are wanted by themselves, too
-    ///
     /// # Errors
     /// [`SetupError`]; when there is no room for the photons.
     pub fn emit(
         &self,
         k: u32,
         wavelengths: &Wavelengths,
-        (wanted, both): (Wanted, bool),
+        wanted: PhotonRequest,
         setup: &Setup<'_>,
     ) -> Result<PhotonBatch, SetupError> {
         let kept = std::sync::atomic::AtomicU64::new(0);
@@ -91,8 +115,7 @@ impl<'a> Emission<'a> {
             let begin = task * PATHS_A_TASK;
             let end = begin.saturating_add(PATHS_A_TASK).min(self.paths);
             let mut batch = PhotonBatch::default();
-            (begin..end)
-                .for_each(|i| self.follow([k, i], setup.seed, wavelengths, (wanted, both), &mut batch));
+            (begin..end).for_each(|i| self.follow([k, i], setup.seed, wavelengths, wanted, &mut batch));
             // All of them are copied once.
             let bytes = 2 * (batch.photons.len() + batch.caustics.len()) * size_of::<Photon>();
             let kept = kept.fetch_add(bytes as u64, std::sync::atomic::Ordering::Relaxed) + bytes as u64;
@@ -122,21 +145,16 @@ impl<'a> Emission<'a> {
         [k, i]: [u32; 2],
         seed: u64,
         wavelengths: &Wavelengths,
-        (wanted, both): (Wanted, bool),
+        wanted: PhotonRequest,
         batch: &mut PhotonBatch,
     ) {
         let scene = self.scene;
         let mut counting = Counting::new(&SampleContext::new(&self.sampler, 0));
         let mut draws = SampleStream::new(&self.sampler, mix(seed ^ SALT), [k, 0], i);
         let time = draws.number_if(scene.moves());
-        draws.skip(1);
-        let [position, direction] = [draws.next_2d(), draws.next_2d()];
-        let Some(chosen) = self.power_sampler.sample(position.x) else { return };
-        let SampledLight { light, probability, .. } = chosen;
-        let numbers = LeNumbers { position: chosen.pair(position), direction };
-        let world = self.power_sampler.world();
-        let Some(emitted) = scene.sample_le(light, time, numbers, wavelengths, world) else { return };
-        let mut path = light_end(scene, &emitted, (time, probability), wavelengths, draws);
+        let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);
+        let Some((SampledLight { probability, .. }, emitted)) = drawn else { return };
+        let mut path = light_end(scene, &emitted, time, probability, wavelengths, draws);
         counting.counters().light += 1;
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
         // Whether nothing but mirrors and glass was met, and whether anything stands between a surface and the light.
@@ -166,13 +184,7 @@ impl<'a> Emission<'a> {
                 };
                 let photon = Photon::new(&arrival, kajo_math::rng::unit(dither));
                 dither = dither.wrapping_add(0x6180_3399);
-                let is_wanted = match wanted {
-                    Wanted::All => true,
-                    Wanted::Indirect => is_held_up,
-                    Wanted::Caustic => is_caustic,
-                };
-                batch.photons.extend(is_wanted.then_some(photon));
-                batch.caustics.extend((both && is_caustic).then_some(photon));
+                batch.keep(photon, wanted, is_held_up, is_caustic);
             }
             let is_last = path.state.scatterings >= self.bounces;
             if is_last || !path.scatter(&vertex, &surface, self.roulette, &mut counting) {
@@ -181,7 +193,7 @@ impl<'a> Emission<'a> {
             // The light itself is one way to be found, but not from behind what scatters it.
             is_held_up = true;
             is_clear &= !path.state.connectable;
-            if wanted == Wanted::Caustic && !is_clear {
+            if wanted.map == Wanted::Caustic && !is_clear {
                 break;
             }
         }

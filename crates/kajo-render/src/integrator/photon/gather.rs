@@ -259,7 +259,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let segment = z.at.ray_to(&at, wi, time);
         let carried = state.beta * scattered;
         let visible =
-            connect(scene, &segment, z.eta(wi), (&state.wavelengths, &mut state.draws), self.observer);
+            connect(scene, &segment, z.eta(wi), &state.wavelengths, &mut state.draws, self.observer);
         let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
         let weight = if may_meet && !is_delta { power_heuristic(pdf, z.pdf(z.wo, wi)) } else { 1.0 };
         let found = carried * radiance * z.transmittance(wi, distance) * visible * (weight / pdf);

@@ -51,7 +51,7 @@ use super::{Integrator, bidir::Subpath};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{Setup, SetupError, WithState};
-use emission::{Emission, Wanted};
+use emission::{Emission, PhotonRequest, Wanted};
 use gather::Gatherer;
 pub use settings::{PHOTON, PhotonSettings, SPPM};
 
@@ -162,11 +162,11 @@ impl<'a> PhotonMapping<'a> {
         let PhotonSettings { bounces, photons, usage, roulette, .. } = self.settings;
         let emission = Emission::new(self.view.scene, photons, bounces, roulette);
         let wanted = match usage {
-            None => (Wanted::Indirect, false),
-            Some(PhotonMapUse::Direct) => (Wanted::All, false),
-            Some(PhotonMapUse::Gather) => (Wanted::All, true),
-            Some(PhotonMapUse::Caustics) => (Wanted::Caustic, false),
+            None => Wanted::Indirect,
+            Some(PhotonMapUse::Direct | PhotonMapUse::Gather) => Wanted::All,
+            Some(PhotonMapUse::Caustics) => Wanted::Caustic,
         };
+        let wanted = PhotonRequest { map: wanted, caustics: usage == Some(PhotonMapUse::Gather) };
         let has_light = emission.has_light();
         let batch = if has_light {
             emission.emit(k, wavelengths, wanted, setup)?
@@ -247,8 +247,7 @@ impl Integrator for Photons<'_> {
         draws.skip(1);
         let wavelengths = self.wavelengths;
         let media = view.media_around(&ray, &wavelengths);
-        let carried = (wavelengths, Spectrum::WHITE);
-        let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        let state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         observer.counters().camera += 1;
         let footprint =
             beside.map_or([0.0; 2], |beside| [beside.o.distance(ray.o), beside.d.distance(ray.d)]);

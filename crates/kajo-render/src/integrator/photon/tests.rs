@@ -114,7 +114,9 @@ fn the_power_of_lights_is_kept() {
     let expected = 4.0 * PI + 3.0 * PI;
     let scene = scene(&format!("{} {lights} {room}", camera([0.0, 0.0, 1.0], [0.0, 0.0, 0.0], 30.0)));
     let emission = Emission::new(&scene, 50_000, 3, true);
-    let batch = emission.emit(0, &Wavelengths::RGB, (Wanted::All, true), &setup(3)).unwrap();
+    let batch = emission
+        .emit(0, &Wavelengths::RGB, PhotonRequest { map: Wanted::All, caustics: true }, &setup(3))
+        .unwrap();
     let power: f64 = batch.photons.iter().map(|photon| f64::from(photon.power()[0])).sum();
     assert!((power / expected - 1.0).abs() < 1e-3, "{power} instead of {expected}");
     assert!(batch.caustics.is_empty() && batch.rays.light == 50_000);

@@ -141,14 +141,7 @@ trait CollisionVisitor {
     /// * `from`, `to`: distances of its ends
     /// * `t`: `T[i]` of all lanes from the last collision to `from`
     #[inline]
-    fn pass(
-        &mut self,
-        _draws: &mut SampleStream<'_>,
-        (_from, _to): (f32, f32),
-        _t: Spectrum,
-        _majorant: f32,
-    ) {
-    }
+    fn pass(&mut self, _draws: &mut SampleStream<'_>, _from: f32, _to: f32, _t: Spectrum, _majorant: f32) {}
 
     /// Comes to a collision with the majorant; `true` ends the walk.
     ///
@@ -181,12 +174,12 @@ fn walk(
             let step = if sigma > 0.0 { optical_depth / sigma } else { f32::INFINITY };
             if at + step >= majorant.t_max {
                 let rest = majorant.t_max - at;
-                walker.pass(draws, (at, majorant.t_max), t, majorant.density);
+                walker.pass(draws, at, majorant.t_max, t, majorant.density);
                 optical_depth = (optical_depth - sigma * rest).max(0.0);
                 t *= stretch.transmittance(majorant.density, rest);
                 break;
             }
-            walker.pass(draws, (at, at + step), t, majorant.density);
+            walker.pass(draws, at, at + step, t, majorant.density);
             at += step;
             t *= stretch.transmittance(majorant.density, step);
             collisions += 1;
@@ -239,7 +232,8 @@ impl Travel<'_> {
     fn add_emission(
         &mut self,
         draws: &mut SampleStream<'_>,
-        (from, to): (f32, f32),
+        from: f32,
+        to: f32,
         t: Spectrum,
         majorant: f32,
         emission_at: impl FnOnce(Vec3, Spectrum) -> Spectrum,
@@ -258,10 +252,35 @@ impl Travel<'_> {
     }
 }
 
+impl Travel<'_> {
+    /// Leaves the path as it is at the end of the way; the distance at which it is scattered, if it is.
+    ///
+    /// * `arrives`: `T[i]` since the last collision, where it comes to the far end
+    #[inline]
+    fn end(self, path: &mut PathState<'_>, arrives: Option<Spectrum>) -> Option<f32> {
+        let Travel { stretch, is_homogeneous, mut beta, mut lanes, scattered, emission, .. } = self;
+        if let Some(t) = arrives {
+            let hero = 1.0 / t[stretch.hero];
+            beta *= t * hero;
+            lanes.r_u *= t * hero;
+            lanes.r_l *= if is_homogeneous { Spectrum::WHITE * hero } else { t * hero };
+        }
+        (path.beta, path.lanes) = (beta, lanes);
+        if let Some(emission) = emission {
+            path.emitted = emission.found;
+        }
+        path.normalize_lanes();
+        if arrives.is_none() && scattered.is_none() {
+            path.beta = Spectrum::BLACK;
+        }
+        scattered
+    }
+}
+
 impl CollisionVisitor for Travel<'_> {
     #[inline]
-    fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
-        self.add_emission(draws, ends, t, majorant, |_, emission| emission);
+    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: f32) {
+        self.add_emission(draws, from, to, t, majorant, |_, emission| emission);
     }
 
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
@@ -295,9 +314,9 @@ struct HotTravel<'a> {
 
 impl CollisionVisitor for HotTravel<'_> {
     #[inline]
-    fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
+    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: f32) {
         let (heat, wavelengths) = (self.heat, self.travel.wavelengths);
-        self.travel.add_emission(draws, ends, t, majorant, |p, _| heat.emission(p, &wavelengths));
+        self.travel.add_emission(draws, from, to, t, majorant, |p, _| heat.emission(p, &wavelengths));
     }
 
     #[inline]
@@ -351,22 +370,7 @@ fn travel(
             arrives
         }
     };
-    let Travel { mut beta, mut lanes, scattered, emission, .. } = travel;
-    if let Some(t) = arrives {
-        let hero = 1.0 / t[stretch.hero];
-        beta *= t * hero;
-        lanes.r_u *= t * hero;
-        lanes.r_l *= if is_homogeneous { Spectrum::WHITE * hero } else { t * hero };
-    }
-    (path.beta, path.lanes) = (beta, lanes);
-    if let Some(emission) = emission {
-        path.emitted = emission.found;
-    }
-    path.normalize_lanes();
-    if arrives.is_none() && scattered.is_none() {
-        path.beta = Spectrum::BLACK;
-    }
-    let at = scattered?;
+    let at = travel.end(path, arrives)?;
     Some(MediumInteraction {
         p: ray.at(at),
         wo: -ray.d,

@@ -43,7 +43,8 @@ pub enum Curve {
 pub fn follow(
     scene: &Scene,
     path: &mut PathState<'_>,
-    (medium, body): (MediumId, ObjectId),
+    medium: MediumId,
+    body: ObjectId,
     surface: &mut SurfaceInteraction,
     observer: &mut impl PathObserver,
 ) -> Curve {
@@ -60,14 +61,14 @@ pub fn follow(
     let wavelengths = path.wavelengths;
     let about = || About { eta, weight: sensor::to_rgb(weight, &wavelengths), light: None };
     let chords = |chord: &Ray| observer.bent(scene, chord, about);
-    let way = scene.follow(&path.ray, (medium, body), &path.wavelengths, &mut surface.at, chords);
-    let Some(Arrival { outcome, d, length, chord, eta, squeeze, g }) = way else { return Curve::GoesOn };
+    let way = scene.follow(&path.ray, medium, body, &path.wavelengths, &mut surface.at, chords);
+    let Some(Arrival { outcome, d, length, chord, eta, eta_scale, g }) = way else { return Curve::GoesOn };
     path.connectable = false;
     path.differential = None;
     surface.at.footprint = SurfaceFootprint::default();
     if path.mode == Transport::Radiance {
-        path.beta *= squeeze;
-        path.eta_scale *= 1.0 / squeeze;
+        path.beta *= eta_scale;
+        path.eta_scale *= 1.0 / eta_scale;
     }
     path.media.set_eta(body, eta);
     path.shift_frequency(g);

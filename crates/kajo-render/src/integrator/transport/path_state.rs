@@ -55,7 +55,8 @@ impl<'s> PathState<'s> {
     /// * `media`: around its start
     pub fn new(
         ray: Ray,
-        (wavelengths, beta): (Wavelengths, Spectrum),
+        wavelengths: Wavelengths,
+        beta: Spectrum,
         mode: Transport,
         media: MediumStack,
         draws: SampleStream<'s>,

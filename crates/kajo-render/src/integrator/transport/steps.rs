@@ -61,9 +61,9 @@ pub fn extend(
     }
     path.surfaces += 1;
     if scene.space() == Space::Curved
-        && let Some(body) = path.media.curved(scene)
+        && let Some((medium, body)) = path.media.curved(scene)
     {
-        match curves::follow(scene, path, body, surface, observer) {
+        match curves::follow(scene, path, medium, body, surface, observer) {
             Curve::Meets => return Event::Surface,
             Curve::Ends => return Event::Absorbed,
             Curve::GoesOn => {}
@@ -204,7 +204,8 @@ pub fn connect(
     scene: &Scene,
     segment: &Ray,
     eta: Option<f32>,
-    (wavelengths, draws): (&Wavelengths, &mut SampleStream<'_>),
+    wavelengths: &Wavelengths,
+    draws: &mut SampleStream<'_>,
     observer: &mut impl PathObserver,
 ) -> Spectrum {
     let Some(eta) = eta else { return Spectrum::BLACK };

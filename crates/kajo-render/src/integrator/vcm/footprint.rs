@@ -37,8 +37,14 @@ fn size_at(view: &CameraView<'_>, place: [u32; 2]) -> Option<f32> {
     let ray = view.ray(raster, &mut draws)?;
     let wavelengths = view.wavelengths_at(0.5);
     let media = view.media_around(&ray, &wavelengths);
-    let carried = (wavelengths, Spectrum::WHITE);
-    let mut path = Subpath::from_camera(PathState::new(ray, carried, Transport::Radiance, media, draws));
+    let mut path = Subpath::from_camera(PathState::new(
+        ray,
+        wavelengths,
+        Spectrum::WHITE,
+        Transport::Radiance,
+        media,
+        draws,
+    ));
     let mut counting = Counting::new(&SampleContext::new(&sampler, 0));
     let (mut surface, mut first) = (SurfaceInteraction::default(), None);
     let mut length = 0.0;

@@ -66,8 +66,8 @@ fn ways_of<V: Volume>(
                 alone[points][s][batch as usize] += light;
                 sums.weighted[points][batch as usize] += f64::from(found.weight) * light;
             };
-            let ends = (&mut path, merging.as_ref());
-            integrator.estimate(ctx.draws, &mut Counting::default(), place, ends, &mut add);
+            let counting = &mut Counting::default();
+            integrator.estimate(ctx.draws, counting, place, &mut path, merging.as_ref(), &mut add);
         }
     }
     sums

@@ -115,8 +115,14 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Techn
             pdf_back: 0.0,
             mis: PartialMis::default(),
         };
-        let carried = (wavelengths, Spectrum::WHITE);
-        let state = PathState::new(ray, carried, Transport::Radiance, MediumStack::default(), draws);
+        let state = PathState::new(
+            ray,
+            wavelengths,
+            Spectrum::WHITE,
+            Transport::Radiance,
+            MediumStack::default(),
+            draws,
+        );
         let mut path_from_camera = Subpath { state: PathState { connectable: true, ..state }, departure };
         let (mut surface, mut first, mut counting) =
             (SurfaceInteraction::default(), None, Counting::default());
