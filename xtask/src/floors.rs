@@ -1,14 +1,14 @@
 //! Who may import whom.
 //!
 //! A crate imports crates of lower floors only, as `ARCHITECTURE.md` lists them; some third-party crates
-//! are kept to one crate of ours. Inside `kajo-core` the modules are ordered in the same way, and in no crate do files need
-//! each other in a circle.
+//! are kept to one crate of ours. Inside `kajo-core` the modules are ordered in the same way, in no crate do files need
+//! each other in a circle, and no function is long.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::cycles;
 use crate::manifest::{self, Dependencies};
+use crate::{cycles, lengths};
 
 /// Each crate of the workspace, lowest floor first, and the crates it may import.
 const CRATES: [(&str, &[&str]); 16] = [
@@ -238,6 +238,7 @@ pub fn check(root: &Path) -> Result<(), Vec<String>> {
     let result = check_crates(root, &mut problems)
         .and_then(|()| check_modules(root, &mut problems))
         .and_then(|()| check_cycles(root, &mut problems))
+        .and_then(|()| check_lengths(root, &mut problems))
         .and_then(|()| check_unsafe(root, &mut problems));
     problems.extend(result.err());
     if problems.is_empty() { Ok(()) } else { Err(problems) }
@@ -305,6 +306,29 @@ fn check_cycles(root: &Path, problems: &mut Vec<String>) -> Result<(), String> {
             let files = cycle.files.join(", ");
             problems.push(format!("{}: these files need each other: {files}", file_name(&folder)));
             problems.extend(cycle.ties.iter().map(|tie| format!("  {tie}")));
+        }
+    }
+    Ok(())
+}
+
+/// Every function can be held in one's head, but for those of tests.
+fn check_lengths(root: &Path, problems: &mut Vec<String>) -> Result<(), String> {
+    for folder in folders(&root.join("crates"))?.into_iter().chain([root.join("xtask")]) {
+        if file_name(&folder) == TESTKIT {
+            continue;
+        }
+        for path in rust_files(&folder.join("src"))? {
+            let name = relative(root, &path);
+            if name.contains("/tests/") || name.contains("/laws/") || name.ends_with("tests.rs") {
+                continue;
+            }
+            let text = read(&path)?;
+            let long = lengths::find(&text).into_iter();
+            problems.extend(
+                long.map(|(line, function, length)| {
+                    format!("{name}:{line}: `{function}` has {length} lines")
+                }),
+            );
         }
     }
     Ok(())

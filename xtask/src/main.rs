@@ -4,6 +4,7 @@ mod cycles;
 mod environment;
 mod floors;
 mod instructions;
+mod lengths;
 mod manifest;
 mod mutants;
 mod names;
@@ -23,7 +24,7 @@ Usage: cargo xtask <TASK>
 
   test             everything a change must pass: format, lints, docs, floors, words, all tests
   check            the quick part of it: format, lints, floors, words
-  floors           only the floors: which crate and which module may import which, and that no files need each other
+  floors           only the floors: who may import whom, that no files need each other, and that no function is long
   words            only the words and names that no file may hold
   deep             all tests with fast code, the slow ones in full, instructions, and the wheel
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed

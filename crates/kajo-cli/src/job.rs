@@ -312,20 +312,7 @@ impl Job {
         }
         warn_of_numbers(&picture.stats, voice);
         let mut interrupted = interrupted;
-        if let Some(denoiser) = &self.develop.denoise {
-            let mut denoise = || picture.denoise(denoiser);
-            let (denoised, interrupted_meanwhile) = match keeps_partial {
-                true => interrupt.during(Work::Write, denoise),
-                false => (denoise(), false),
-            };
-            interrupted |= interrupted_meanwhile;
-            match denoised {
-                Ok(_) if voice.quiet => {}
-                Ok(how) => (voice.say)(&format!("denoised {how}\n")),
-                // The noisy picture took long enough to be kept.
-                Err(error) => voice.warn(format!("the picture is not denoised: {error}")),
-            }
-        }
+        interrupted |= self.denoise(&mut picture, keeps_partial, interrupt, voice);
         let overexposed = picture.overexposed();
         if overexposed > 0 {
             voice.warn(format!(
@@ -344,6 +331,29 @@ impl Job {
             noise: picture.noise(),
             stats: picture.stats,
         })
+    }
+
+    /// Removes the noise of a picture where that is asked for; whether a signal came meanwhile.
+    fn denoise(
+        &self,
+        picture: &mut Picture,
+        keeps_partial: bool,
+        interrupt: &Interrupt,
+        voice: &mut Voice<'_>,
+    ) -> bool {
+        let Some(denoiser) = &self.develop.denoise else { return false };
+        let mut denoise = || picture.denoise(denoiser);
+        let (denoised, interrupted_meanwhile) = match keeps_partial {
+            true => interrupt.during(Work::Write, denoise),
+            false => (denoise(), false),
+        };
+        match denoised {
+            Ok(_) if voice.quiet => {}
+            Ok(how) => (voice.say)(&format!("denoised {how}\n")),
+            // The noisy picture took long enough to be kept.
+            Err(error) => voice.warn(format!("the picture is not denoised: {error}")),
+        }
+        interrupted_meanwhile
     }
 
     /// What a render in passes goes by, and who looks at it after each.

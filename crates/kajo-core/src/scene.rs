@@ -76,7 +76,7 @@ pub struct Lighting {
     pub air: Option<MediumId>,
 }
 
-/// Who takes the picture, and what the file says about it.
+/// The cameras, and what the file says about the picture.
 #[derive(Debug)]
 pub struct Output {
     /// The camera.
@@ -165,7 +165,7 @@ impl Scene {
     }
 }
 
-/// `f` of nothing, out of the way of those who do not need it.
+/// `f` of nothing, out of line: for cases that are rare.
 #[cold]
 #[inline(never)]
 pub(crate) fn rarely<T>(f: impl FnOnce() -> T) -> T {

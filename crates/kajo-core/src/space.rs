@@ -1,4 +1,4 @@
-//! The geometry that light travels in, as far as those who follow it have to know.
+//! The geometry that light travels in, as far as integrators have to know.
 //!
 //! Light goes straight but for bodies that bend it ([`crate::curved_light`]). A path knows what it is inside of, so whoever follows
 //! one asks, with the medium and the body at hand:

@@ -138,17 +138,7 @@ impl Identities {
         change: &Change,
         remembered: &[(FileId, usize, NodeId)],
     ) -> Outline {
-        let mut known: HashMap<Start, Vec<NodeId>> = HashMap::new();
-        for node in &old.nodes {
-            if let Some(at) = change.carry(node.file, node.span.start) {
-                known.entry((node.file, at)).or_default().push(node.id);
-            }
-        }
-        for &(file, at, id) in remembered {
-            known.entry((file, at)).or_default().push(id);
-        }
-        // Taken from the end below, first come first served.
-        known.values_mut().for_each(|ids| ids.reverse());
+        let mut known = known_ids(old, change, remembered);
         let mut outline = Outline::default();
         let mut open: Vec<u32> = Vec::new();
         let mut skip_to = 0;
@@ -191,6 +181,25 @@ impl Identities {
         open.into_iter().for_each(|at| outline.nodes[at as usize].next = n);
         outline
     }
+}
+
+/// The identities that nodes have by where they begin now; taken from the end they are first come first served.
+fn known_ids(
+    old: &Outline,
+    change: &Change,
+    remembered: &[(FileId, usize, NodeId)],
+) -> HashMap<Start, Vec<NodeId>> {
+    let mut known: HashMap<Start, Vec<NodeId>> = HashMap::new();
+    for node in &old.nodes {
+        if let Some(at) = change.carry(node.file, node.span.start) {
+            known.entry((node.file, at)).or_default().push(node.id);
+        }
+    }
+    for &(file, at, id) in remembered {
+        known.entry((file, at)).or_default().push(id);
+    }
+    known.values_mut().for_each(|ids| ids.reverse());
+    known
 }
 
 fn is_within(item: Item<'_>, desc: &SceneDesc, outer: u32) -> bool {

@@ -11,33 +11,80 @@ use kajo_core::schema::{Absent, FieldKind, Kind};
 /// assert_eq!(block, "Sphere { center 0 1 0  radius 0.5 }");
 /// ```
 pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
-    let [x, y, z] = at;
-    let text = |numbers: &[f64]| {
-        numbers.iter().map(|&n| kajo_core::schema::number_text(rounded(n))).collect::<Vec<_>>()
-    };
-    let point = |dx: f64, dy: f64, dz: f64| text(&[x + dx * size, y + dy * size, z + dz * size]).join(" ");
-    let vector = |dx: f64, dy: f64, dz: f64| text(&[dx * size, dy * size, dz * size]).join(" ");
-    let (center, radius) = (point(0.0, 0.0, 0.0), vector(1.0, 0.0, 0.0).split(' ').next()?.to_owned());
+    let spot = Spot { at, size };
+    solid(keyword, &spot)
+        .or_else(|| by_equation(keyword, &spot))
+        .or_else(|| swept(keyword, &spot))
+        .or_else(|| flat(keyword, &spot))
+        .or_else(|| light_or_camera(keyword, &spot))
+        .or_else(|| group(keyword, &spot))
+        .or_else(|| by_fields(keyword, &spot))
+}
+
+/// Where a block is to be, and how large about.
+struct Spot {
+    at: [f64; 3],
+    size: f64,
+}
+
+impl Spot {
+    /// A point, from the middle in parts of the size.
+    fn point(&self, dx: f64, dy: f64, dz: f64) -> String {
+        let [x, y, z] = self.at;
+        words(&[x + dx * self.size, y + dy * self.size, z + dz * self.size])
+    }
+
+    fn vector(&self, dx: f64, dy: f64, dz: f64) -> String {
+        words(&[dx * self.size, dy * self.size, dz * self.size])
+    }
+
+    fn length(&self, share: f64) -> String {
+        words(&[share * self.size])
+    }
+
+    fn center(&self) -> String {
+        self.point(0.0, 0.0, 0.0)
+    }
+}
+
+fn words(numbers: &[f64]) -> String {
+    let text = |&n: &f64| kajo_core::schema::number_text(rounded(n));
+    numbers.iter().map(text).collect::<Vec<_>>().join(" ")
+}
+
+/// Balls, boxes and the like.
+fn solid(keyword: &str, spot: &Spot) -> Option<String> {
+    let (center, radius) = (spot.center(), spot.length(1.0));
     Some(match keyword {
         "Sphere" => format!("Sphere {{ center {center}  radius {radius} }}"),
-        "Box" => format!("Box {{ min {}  max {} }}", point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0)),
-        "Plane" => format!("Plane {{ normal 0 1 0  offset {} }}", text(&[y]).join(" ")),
+        "Box" => format!("Box {{ min {}  max {} }}", spot.point(-1.0, -1.0, -1.0), spot.point(1.0, 1.0, 1.0)),
+        "Plane" => format!("Plane {{ normal 0 1 0  offset {} }}", words(&spot.at[1..2])),
         "Cylinder" | "Cone" => {
-            let (base, top) = (point(0.0, -1.0, 0.0), point(0.0, 1.0, 0.0));
+            let (base, top) = (spot.point(0.0, -1.0, 0.0), spot.point(0.0, 1.0, 0.0));
             format!("{keyword} {{ base {base}  top {top}  radius {radius} }}")
         }
         "Disk" => format!("Disk {{ center {center}  normal 0 1 0  radius {radius} }}"),
         "Blob" => {
-            let (a, b, radius) = (point(-0.5, 0.0, 0.0), point(0.5, 0.0, 0.0), vector(0.7, 0.0, 0.0));
-            let radius = radius.split(' ').next()?.to_owned();
+            let [a, b] = [spot.point(-0.5, 0.0, 0.0), spot.point(0.5, 0.0, 0.0)];
+            let radius = spot.length(0.7);
             let ball = |center: String| format!("sphere {{ center {center}  radius {radius} }}");
             format!("Blob {{ {}  {} }}", ball(a), ball(b))
         }
+        _ => return None,
+    })
+}
+
+/// Surfaces of functions.
+fn by_equation(keyword: &str, spot: &Spot) -> Option<String> {
+    let &Spot { at, size } = spot;
+    let [x, y, z] = at;
+    let center = spot.center();
+    let (min, max) = (spot.point(-1.0, -1.0, -1.0), spot.point(1.0, 1.0, 1.0));
+    Some(match keyword {
         "Isosurface" => {
-            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
-            let from = |variable: &str, at: f64| format!("({variable} - {})", text(&[at])[0]);
+            let from = |variable: &str, at: f64| format!("({variable} - {})", words(&[at]));
             let [x, y, z] = [from("x", x), from("y", y), from("z", z)];
-            let radius = text(&[0.9 * size])[0].clone();
+            let radius = words(&[0.9 * size]);
             format!("Isosurface {{ function = {x}^2 + {y}^2 + {z}^2 - {radius}^2  min {min}  max {max} }}")
         }
         "Quadric" | "Cubic" | "Quartic" => {
@@ -46,33 +93,38 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
                 "Cubic" => 3,
                 _ => 4,
             };
-            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
-            let ball = text(&ball(degree, at, 0.9 * size)).join(" ");
+            let ball = words(&ball(degree, at, 0.9 * size));
             format!("{keyword} {{ coefficients {ball}  min {min}  max {max} }}")
         }
         "Polynomial" => {
             // A ball: the squares of the distances to its middle, less that of the radius.
             let radius = 0.9 * size;
             let square = |axis: &str, c: f64| {
-                format!("{}  {}", term(&text(&[1.0])[0], axis, 2), term(&text(&[-2.0 * c])[0], axis, 1))
+                format!("{}  {}", term(&words(&[1.0]), axis, 2), term(&words(&[-2.0 * c]), axis, 1))
             };
-            let rest = text(&[x * x + y * y + z * z - radius * radius])[0].clone();
+            let rest = words(&[x * x + y * y + z * z - radius * radius]);
             let terms = [square("x", x), square("y", y), square("z", z), format!("{rest} 0 0 0")].join("  ");
-            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
             format!("Polynomial {{ terms {terms}  min {min}  max {max} }}")
         }
         "DistanceGrid" => {
-            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
             format!("DistanceGrid {{ size 2 2 2  values -1 1 1 1 1 1 1 1  min {min}  max {max} }}")
         }
         "HeightField" => {
-            let length = vector(2.0, 0.0, 0.0).split(' ').next()?.to_owned();
-            let high = vector(0.5, 0.0, 0.0).split(' ').next()?.to_owned();
+            let length = spot.length(2.0);
+            let high = spot.length(0.5);
             let wave = "function = cos(3 * x) * cos(3 * z)";
             format!("HeightField {{ {wave}  center {center}  size {length} {length}  heights 0 {high} }}")
         }
+        _ => return None,
+    })
+}
+
+/// Outlines and curves that are swept.
+fn swept(keyword: &str, spot: &Spot) -> Option<String> {
+    let (center, radius) = (spot.center(), spot.length(1.0));
+    Some(match keyword {
         "Prism" => {
-            let length = vector(1.0, 0.0, 0.0).split(' ').next()?.to_owned();
+            let length = spot.length(1.0);
             let outline = "outline { line -1 -1  1 -1  1 0  spline 0.7 0.7  0 1  -0.7 0.7  -1 0 }";
             format!("Prism {{ origin {center}  size {length}  depth {length}  {outline} }}")
         }
@@ -83,24 +135,36 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
         }
         "SphereSweep" => {
             let ball = |dx: f64, dy: f64, radius: f64| {
-                format!("{} {}", point(dx, dy, 0.0), text(&[radius * size])[0])
+                format!("{} {}", spot.point(dx, dy, 0.0), spot.length(radius))
             };
             let [a, b, c] = [ball(-0.6, -0.4, 0.4), ball(0.1, 0.2, 0.3), ball(0.7, -0.3, 0.2)];
             format!("SphereSweep {{ path {{ spline {a}  {b}  {c} }} }}")
         }
         "Curves" => {
-            let points =
-                [point(-1.0, 0.0, 0.0), point(-0.4, 1.0, 0.0), point(0.4, -1.0, 0.0), point(1.0, 0.0, 0.0)];
-            let width = vector(0.15, 0.0, 0.0).split(' ').next()?.to_owned();
+            let points = [
+                spot.point(-1.0, 0.0, 0.0),
+                spot.point(-0.4, 1.0, 0.0),
+                spot.point(0.4, -1.0, 0.0),
+                spot.point(1.0, 0.0, 0.0),
+            ];
+            let width = spot.length(0.15);
             format!("Curves {{ radius {width}  strand {{ points {} }} }}", points.join("  "))
         }
+        _ => return None,
+    })
+}
+
+/// Surfaces without an inside.
+fn flat(keyword: &str, spot: &Spot) -> Option<String> {
+    Some(match keyword {
         "Quad" => {
-            let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
+            let (corner, a, b) =
+                (spot.point(-1.0, 0.0, 1.0), spot.vector(2.0, 0.0, 0.0), spot.vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")
         }
         "BilinearPatch" => {
-            let [a, b] = [point(-1.0, -0.3, 1.0), point(1.0, 0.3, 1.0)];
-            let [c, d] = [point(1.0, -0.3, -1.0), point(-1.0, 0.3, -1.0)];
+            let [a, b] = [spot.point(-1.0, -0.3, 1.0), spot.point(1.0, 0.3, 1.0)];
+            let [c, d] = [spot.point(1.0, -0.3, -1.0), spot.point(-1.0, 0.3, -1.0)];
             format!("BilinearPatch {{ vertex0 {a}  vertex1 {b}  vertex2 {c}  vertex3 {d} }}")
         }
         "BicubicPatch" => {
@@ -109,28 +173,45 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
                 let point = |i: u32| {
                     let inner = [i, j].iter().filter(|&&k| k == 1 || k == 2).count();
                     let [x, z] = [i, j].map(|k| f64::from(k) / 1.5 - 1.0);
-                    point(x, [0.0, 0.3, 0.6][inner], -z)
+                    spot.point(x, [0.0, 0.3, 0.6][inner], -z)
                 };
                 format!("row{j} {}", [0, 1, 2, 3].map(point).join("  "))
             };
             format!("BicubicPatch {{ {} }}", [0, 1, 2, 3].map(row).join("  "))
         }
         "Triangle" => {
-            let [a, b, c] = [point(-1.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(0.0, 1.5, 0.0)];
+            let [a, b, c] =
+                [spot.point(-1.0, 0.0, 0.0), spot.point(1.0, 0.0, 0.0), spot.point(0.0, 1.5, 0.0)];
             format!("Triangle {{ vertex0 {a}  vertex1 {b}  vertex2 {c} }}")
         }
+        _ => return None,
+    })
+}
+
+fn light_or_camera(keyword: &str, spot: &Spot) -> Option<String> {
+    let center = spot.center();
+    Some(match keyword {
         "DirectionalLight" => "DirectionalLight { direction -1 -2 -1  color 0.8 0.8 0.8 }".to_owned(),
         "PointLight" => format!("PointLight {{ position {center}  color 0.8 0.8 0.8 }}"),
         "SpotLight" => {
             format!("SpotLight {{ position {center}  direction 0 -1 0  angle 40  color 0.8 0.8 0.8 }}")
         }
         "PerspectiveCamera" => {
-            let eye = point(0.0, 0.0, 6.0);
+            let eye = spot.point(0.0, 0.0, 6.0);
             format!("PerspectiveCamera {{ center {eye}  direction 0 0 -1  up 0 1 0  angle 30 }}")
         }
+        _ => return None,
+    })
+}
+
+/// What holds objects or materials.
+fn group(keyword: &str, spot: &Spot) -> Option<String> {
+    let radius = spot.length(1.0);
+    Some(match keyword {
         "Group" | "Union" => format!("{keyword} {{ }}"),
         "Intersection" | "Difference" | "Merge" => {
-            let (min, max, corner) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0), point(1.0, 1.0, 1.0));
+            let (min, max, corner) =
+                (spot.point(-1.0, -1.0, -1.0), spot.point(1.0, 1.0, 1.0), spot.point(1.0, 1.0, 1.0));
             format!(
                 "{keyword} {{ Box {{ min {min}  max {max} }}  Sphere {{ center {corner}  radius {radius} }} }}"
             )
@@ -140,6 +221,14 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
         "Checkerboard" | "Marble" | "Mix" | "Noise" | "Wood" => {
             format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")
         }
+        _ => return None,
+    })
+}
+
+/// A block by what its fields say: any material, and any shape and light that has no better one.
+fn by_fields(keyword: &str, spot: &Spot) -> Option<String> {
+    let center = spot.center();
+    Some(match keyword {
         _ if kind_of(keyword, None) == Kind::Material => {
             if block_of(keyword)?.fields().any(|field| matches!(field.absent, Absent::Required)) {
                 // What needs a file has nothing to start from.
@@ -151,17 +240,20 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
                 None => format!("{keyword} {{ }}"),
             }
         }
-        _ if kind_of(keyword, None) == Kind::Shape => {
+        _ if matches!(kind_of(keyword, None), Kind::Shape | Kind::Light) => {
             // Where it is, and what it cannot do without: the first length is the size, others are parts of it.
             let (mut text, mut length) = (String::new(), 1.0);
             for field in block_of(keyword)?.fields() {
                 let is_required = matches!(field.absent, Absent::Required);
                 let value = match field.kind {
                     FieldKind::Point if is_required || field.key == "center" => center.clone(),
+                    _ if field.key == "color" && kind_of(keyword, None) == Kind::Light => {
+                        "0.8 0.8 0.8".to_owned()
+                    }
                     _ if !is_required => continue,
                     FieldKind::Vector => "0 1 0".to_owned(),
                     FieldKind::Number { .. } => {
-                        let value = vector(length, 0.0, 0.0).split(' ').next()?.to_owned();
+                        let value = spot.length(length);
                         length *= 0.3;
                         value
                     }

@@ -146,13 +146,7 @@ pub fn dormand_prince_step<const N: usize>(
 ) -> (Step<N>, [f64; N]) {
     let k1 = slope;
     let sum = |terms: &[(f64, &[f64; N])]| -> [f64; N] {
-        std::array::from_fn(|i| {
-            let mut sum = 0.0;
-            for (weight, k) in terms {
-                sum += weight * k[i];
-            }
-            h * sum
-        })
+        std::array::from_fn(|i| h * terms.iter().fold(0.0, |sum, (weight, k)| sum + weight * k[i]))
     };
     let moved = |by: [f64; N]| -> [f64; N] { std::array::from_fn(|i| y[i] + by[i]) };
     let k2 = f(t + h / 5.0, &moved(sum(&[(1.0 / 5.0, k1)])));
@@ -194,11 +188,22 @@ pub fn dormand_prince_step<const N: usize>(
         (-1_453_857_185.0 / 822_651_844.0, &k6),
         (69_997_945.0 / 29_380_423.0, &k7),
     ]);
-    let chord: [f64; N] = std::array::from_fn(|i| end[i] - y[i]);
-    let bend: [f64; N] = std::array::from_fn(|i| h * k1[i] - chord[i]);
-    let cubic = std::array::from_fn(|i| chord[i] - h * k7[i] - bend[i]);
-    let dense = [chord, bend, cubic, quartic];
+    let dense = dense_output([y, &end], [k1, &k7], h, quartic);
     (Step { t, h, start: *y, end, end_slope: k7, dense }, error)
+}
+
+/// The coefficients of the interpolant between the ends of a step, of which `quartic` is the last.
+#[inline]
+fn dense_output<const N: usize>(
+    [start, end]: [&[f64; N]; 2],
+    slopes: [&[f64; N]; 2],
+    h: f64,
+    quartic: [f64; N],
+) -> [[f64; N]; 4] {
+    let chord: [f64; N] = std::array::from_fn(|i| end[i] - start[i]);
+    let bend: [f64; N] = std::array::from_fn(|i| h * slopes[0][i] - chord[i]);
+    let cubic = std::array::from_fn(|i| chord[i] - h * slopes[1][i] - bend[i]);
+    [chord, bend, cubic, quartic]
 }
 
 /// Follows a solution by steps whose lengths are such that their errors stay within a tolerance.

@@ -125,18 +125,28 @@ pub fn render(
     if let Some(raised) = watch.raised.into_inner().unwrap_or_default() {
         return Err(raised);
     }
-    match rendered? {
-        (_, Some(raised)) => Err(raised),
-        (Ok(Ok(picture)), None) => {
-            if let Some(callback) = &progress {
+    let (result, raised) = rendered?;
+    if let Some(raised) = raised {
+        return Err(raised);
+    }
+    finished(py, result, progress.as_ref())
+}
+
+/// What a thread has rendered, and the end of its progress told.
+fn finished(
+    py: Python<'_>,
+    result: thread::Result<Result<Picture, kajo::RenderError>>,
+    progress: Option<&Py<PyAny>>,
+) -> PyResult<Picture> {
+    match result {
+        Ok(Ok(picture)) => {
+            if let Some(callback) = progress {
                 callback.call1(py, (1.0,))?;
             }
             Ok(picture)
         }
-        (Ok(Err(error)), None) => Err(failed(error)),
-        (Err(_), None) => {
-            Err(RenderError::new_err("this is a bug in kajo, not in your scene: a thread panicked"))
-        }
+        Ok(Err(error)) => Err(failed(error)),
+        Err(_) => Err(RenderError::new_err("this is a bug in kajo, not in your scene: a thread panicked")),
     }
 }
 

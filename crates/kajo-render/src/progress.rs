@@ -1,6 +1,6 @@
-//! Who watches a render.
+//! Observers of a render's progress.
 
-/// Who is told how far a render is, and may stop it. Called from every thread.
+/// An observer of how far a render is, which may stop it. Called from every thread.
 pub trait Progress: Sync {
     /// `pixels_done` of `pixels_total` are finished, by the share of samples taken, and `rays` have been
     /// cast so far. Reports of different threads may arrive out of order.
@@ -10,11 +10,11 @@ pub trait Progress: Sync {
     /// a sample only where its paths fork. A sample that is given up so is not in the film.
     fn cancelled(&self) -> bool;
 
-    /// Told what is worth knowing of how the picture is made, a sentence for the user.
+    /// A note on how the picture is made, a sentence for the user.
     fn note(&self, _sentence: &str) {}
 }
 
-/// Progress that nobody looks at.
+/// No observer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

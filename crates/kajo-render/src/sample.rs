@@ -1,4 +1,4 @@
-//! What one camera ray brings to the film, and who casts it.
+//! What one camera ray brings to the film, and the integrators that cast it.
 
 use kajo_math::{Vec2, Vec3};
 
@@ -39,7 +39,7 @@ pub trait PixelIntegrator: Sync {
     ///   beside `pixel`: a regular grid of a number that is no square hangs over.
     fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample;
 
-    /// The same sample with all its rays, where the integrator tells of them.
+    /// The same sample with all its rays, where the integrator reports them.
     fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
         (self.sample(ctx, pixel, raster), Trail::default())
     }

@@ -2,7 +2,7 @@
 //!
 //! A unit of work is a tile and a range of samples; what comes of it is a [`FilmPart`], and parts add
 //! up exactly. Each random number depends on (seed, pixel, sample, dimension) only. So neither the
-//! number of threads, nor the size of tiles, nor who renders what and when can change a bit of the
+//! number of threads, nor the size of tiles, nor the order of the work can change a bit of the
 //! picture.
 //!
 //! Threads take the next unit from a counter until none is left, which keeps all of them busy to the

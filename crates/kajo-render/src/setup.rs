@@ -22,7 +22,7 @@ pub struct Setup<'a> {
     pub threads: usize,
     /// Bytes that the state may take.
     pub memory: u64,
-    /// Who may stop it.
+    /// What may stop it.
     pub progress: &'a dyn Progress,
 }
 

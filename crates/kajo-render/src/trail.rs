@@ -106,7 +106,7 @@ pub struct Segment {
     pub contribution: [f32; 3],
 }
 
-/// Who is told of the rays of a sample.
+/// An observer of the rays of a sample.
 pub(crate) trait PathObserver: Default {
     /// A position in the tree of rays.
     type Mark: Copy + 'static;
@@ -234,7 +234,7 @@ pub struct Trail {
 pub(crate) struct TreePosition {
     /// The ray at hand.
     segment: Option<u32>,
-    /// Of all that is told there.
+    /// Of all light that is found there.
     factor: [f32; 3],
 }
 

@@ -211,12 +211,7 @@ impl<'l> Parser<'l> {
             let word = &text[span.range()];
             match token.kind {
                 TokenKind::Word if word == INCLUDE && self.expect != Expect::Value => {
-                    self.end_item();
-                    let name = include_name(source, &mut tokens);
-                    if let Some(frame) = self.frames.last_mut() {
-                        frame.at = tokens.offset();
-                    }
-                    return self.include(span, name);
+                    return self.include_next(span, &mut tokens);
                 }
                 TokenKind::Word if word == LET && self.expect != Expect::Value => {
                     self.end_item();
@@ -244,16 +239,7 @@ impl<'l> Parser<'l> {
                         tokens = Tokens::resume(&text, end);
                         continue;
                     }
-                    if let Some(keyword) = self.keyword_of_equation(word) {
-                        let end = span.start + keyword.len() as u32;
-                        self.word(Span { end, ..span }, keyword)?;
-                        tokens = Tokens::resume(&text, end);
-                        continue;
-                    }
-                    self.word(span, word)?;
-                    if self.expect == Expect::Value
-                        && let Some(end) = self.hex_color(span, &text)
-                    {
+                    if let Some(end) = self.plain_word(span, &text)? {
                         tokens = Tokens::resume(&text, end);
                     }
                 }
@@ -269,13 +255,40 @@ impl<'l> Parser<'l> {
                 TokenKind::Error(error) => self.lex_error(span, error),
                 TokenKind::Whitespace | TokenKind::Comment => {}
             }
-            if self.diagnostics.count(Severity::Error) >= self.limits.errors {
-                self.damage(Diagnostic::error("too many mistakes: the rest of the scene was not read"));
-                return Err(Stop);
-            }
+            self.check_mistakes()?;
         }
         self.end_of_file(source, outer_blocks, text.len() as u32);
         Ok(())
+    }
+
+    /// Goes on in the file whose name follows the word for includes.
+    fn include_next(&mut self, span: Span, tokens: &mut Tokens<'_>) -> Result<(), Stop> {
+        self.end_item();
+        let name = include_name(span.source, tokens);
+        if let Some(frame) = self.frames.last_mut() {
+            frame.at = tokens.offset();
+        }
+        self.include(span, name)
+    }
+
+    fn check_mistakes(&mut self) -> Result<(), Stop> {
+        if self.diagnostics.count(Severity::Error) < self.limits.errors {
+            return Ok(());
+        }
+        self.damage(Diagnostic::error("too many mistakes: the rest of the scene was not read"));
+        Err(Stop)
+    }
+
+    /// A word that is no expression; where reading goes on, if that is not behind it.
+    fn plain_word(&mut self, span: Span, text: &str) -> Result<Option<u32>, Stop> {
+        let word = &text[span.range()];
+        if let Some(keyword) = self.keyword_of_equation(word) {
+            let end = span.start + keyword.len() as u32;
+            self.word(Span { end, ..span }, keyword)?;
+            return Ok(Some(end));
+        }
+        self.word(span, word)?;
+        Ok(if self.expect == Expect::Value { self.hex_color(span, text) } else { None })
     }
 
     /// The source that is being read, or the turn of it.

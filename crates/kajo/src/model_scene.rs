@@ -245,27 +245,7 @@ impl Text<'_> {
             along(-0.55, -0.38, -1.0),
             along(0.0, 1.0, 0.0),
         );
-        let _ = write!(text, "# Even light from everywhere");
-        if self.has_own_lights {
-            let units = match is_photometric {
-                true => " These are told in lumens; `lightScale` makes watts of them, 683 lumens each.",
-                false => "",
-            };
-            let _ = write!(
-                text,
-                ", beside the lights of the model.{units}\nBackground {{ color 0.25 0.25 0.25 }}\n\n"
-            );
-        } else {
-            let _ = write!(
-                text,
-                ". What the light `angle` degrees wide shines at is softer the wider it is.\n\
-                 Background {{ color 0.3 0.3 0.3 }}\n\
-                 Lights {{\n  DirectionalLight key {{ direction {}  irradiance 2.5  angle 24 }}\n  \
-                 DirectionalLight rim {{ direction {}  irradiance 1.3  angle 40 }}\n}}\n\n",
-                along(0.55, -0.95, -0.6),
-                along(-0.7, -0.55, 0.85),
-            );
-        }
+        text += &self.lights(along);
         let _ = write!(
             text,
             "# For what brings no material of its own.\nMaterials {{\n  \
@@ -277,9 +257,8 @@ impl Text<'_> {
             let _ = writeln!(text, "  Matte floor {{ color 0.46 0.46 0.46 }}");
         }
         let _ = write!(text, "}}\n\nGroup {{\n  MaterialIndex clay\n  {keyword} model {{ file {file}");
-        for (_, key) in
-            [(smooth, "smooth"), (materials, "materials"), (colors, "colors")].iter().filter(|(on, _)| *on)
-        {
+        let keys = [(smooth, "smooth"), (materials, "materials"), (colors, "colors")];
+        for (_, key) in keys.iter().filter(|(on, _)| *on) {
             let _ = write!(text, "  {key} on");
         }
         if is_photometric {
@@ -300,6 +279,32 @@ impl Text<'_> {
              Settings {{\n  integrator path\n  samples    sobol 64\n}}\n"
         );
         text
+    }
+}
+
+impl Text<'_> {
+    /// The lines of what lights the model.
+    ///
+    /// * `along`: a vector of the scene by right, up and front
+    fn lights(&self, along: impl Fn(f32, f32, f32) -> String) -> String {
+        let what = "# Even light from everywhere";
+        if self.has_own_lights {
+            let units = match self.block.is_photometric {
+                true => " These are told in lumens; `lightScale` makes watts of them, 683 lumens each.",
+                false => "",
+            };
+            return format!(
+                "{what}, beside the lights of the model.{units}\nBackground {{ color 0.25 0.25 0.25 }}\n\n"
+            );
+        }
+        format!(
+            "{what}. What the light `angle` degrees wide shines at is softer the wider it is.\n\
+             Background {{ color 0.3 0.3 0.3 }}\n\
+             Lights {{\n  DirectionalLight key {{ direction {}  irradiance 2.5  angle 24 }}\n  \
+             DirectionalLight rim {{ direction {}  irradiance 1.3  angle 40 }}\n}}\n\n",
+            along(0.55, -0.95, -0.6),
+            along(-0.7, -0.55, 0.85),
+        )
     }
 }
 

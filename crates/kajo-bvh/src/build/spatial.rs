@@ -61,6 +61,34 @@ pub(super) fn build(set: Set<'_>, shape: LeafShape, corners: impl Fn(u32) -> [Ve
     forest
 }
 
+/// Both sides of a plane with all that is cut by it counted to both, but for what has been given to one.
+struct SidesAsCut {
+    boxes: [Box4; 2],
+    counts: [f32; 2],
+}
+
+impl SidesAsCut {
+    /// What each side gets of a triangle in the box `bounds` that the plane cuts into `parts`: its part, or one of them all of it where
+    /// that is cheaper. [Stich, Friedrich and Dietrich 2009, sec. 4.4]
+    #[inline]
+    fn shares(&mut self, bounds: Box4, [a, b]: [Box4; 2], may_cut: bool) -> [Option<Box4>; 2] {
+        let ([before, behind], [n_before, n_behind]) = (self.boxes, self.counts);
+        let both = before.half_area() * n_before + behind.half_area() * n_behind;
+        let (with_before, with_behind) = (before.union(bounds), behind.union(bounds));
+        let to_left = with_before.half_area() * n_before + behind.half_area() * (n_behind - 1.0);
+        let to_right = before.half_area() * (n_before - 1.0) + with_behind.half_area() * n_behind;
+        if both <= to_left.min(to_right) && may_cut {
+            [Some(a), Some(b)]
+        } else if to_left <= to_right {
+            (self.boxes[0], self.counts[1]) = (with_before, n_behind - 1.0);
+            [Some(bounds), None]
+        } else {
+            (self.boxes[1], self.counts[0]) = (with_behind, n_before - 1.0);
+            [None, Some(bounds)]
+        }
+    }
+}
+
 impl<F: Fn(u32) -> [Vec3; 3] + Sync> Builder<F> {
     fn upper(&self, room: Room<'_>, depth: usize) -> Upper {
         if room.all.len() <= TASK {
@@ -129,8 +157,7 @@ impl<F: Fn(u32) -> [Vec3; 3] + Sync> Builder<F> {
         let Room { all, len, .. } = room;
         let mut spare = all.len() - len;
         let (axis, plane) = (cutting.axis, cutting.plane);
-        let ([mut before, mut behind], [mut n_before, mut n_behind]) =
-            (cutting.sides, cutting.counts.map(|n| n as f32));
+        let mut sides_as_cut = SidesAsCut { boxes: cutting.sides, counts: cutting.counts.map(|n| n as f32) };
         let (mut left, mut right) = (0, Vec::with_capacity(cutting.counts[1]));
         let mut sides = [Box4::EMPTY; 2];
         for i in 0..len {
@@ -142,23 +169,9 @@ impl<F: Fn(u32) -> [Vec3; 3] + Sync> Builder<F> {
             } else {
                 match cut((self.corners)(prim.id()), bounds, axis, plane) {
                     [Some(a), Some(b)] => {
-                        // [Stich, Friedrich and Dietrich 2009, sec. 4.4]
-                        let both = before.half_area() * n_before + behind.half_area() * n_behind;
-                        let (with_before, with_behind) = (before.union(bounds), behind.union(bounds));
-                        let to_left =
-                            with_before.half_area() * n_before + behind.half_area() * (n_behind - 1.0);
-                        let to_right =
-                            before.half_area() * (n_before - 1.0) + with_behind.half_area() * n_behind;
-                        if both <= to_left.min(to_right) && spare > 0 {
-                            spare -= 1;
-                            [Some(a), Some(b)]
-                        } else if to_left <= to_right {
-                            (before, n_behind) = (with_before, n_behind - 1.0);
-                            [Some(bounds), None]
-                        } else {
-                            (behind, n_before) = (with_behind, n_before - 1.0);
-                            [None, Some(bounds)]
-                        }
+                        let parts = sides_as_cut.shares(bounds, [a, b], spare > 0);
+                        spare -= usize::from(parts.iter().all(Option::is_some));
+                        parts
                     }
                     // Nothing of it is in its box but for rounding.
                     [None, None] => [Some(bounds), None],

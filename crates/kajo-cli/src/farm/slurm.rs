@@ -23,19 +23,7 @@ pub fn script(line: &[OsString], array: u32, job: &Path) -> Result<String, Failu
     let program = text(std::env::current_exe())?;
     let job = text(std::path::absolute(job))?;
     let folder = text(std::env::current_dir())?;
-    let mut words = Vec::new();
-    let mut rest = line.iter().skip(2);
-    while let Some(word) = rest.next() {
-        let word = word.to_str().ok_or_else(not_text)?;
-        match word.trim_start_matches('-').split_once('=') {
-            Some(("array" | "job", _)) if word.starts_with('-') => {}
-            None if word.starts_with('-') && ["array", "job"].contains(&word.trim_start_matches('-')) => {
-                rest.next();
-            }
-            _ => words.push(quoted(word)),
-        }
-    }
-    let words = words.join(" ");
+    let words = words_of_plan(line).ok_or_else(not_text)?.join(" ");
     let last = array - 1;
     Ok(format!(
         r#"#!/bin/bash
@@ -74,6 +62,23 @@ merge)
 esac
 "#
     ))
+}
+
+/// The words that the script is to plan with, quoted: all but those of the script itself. `None` where one is not UTF-8.
+fn words_of_plan(line: &[OsString]) -> Option<Vec<String>> {
+    let mut words = Vec::new();
+    let mut rest = line.iter().skip(2);
+    while let Some(word) = rest.next() {
+        let word = word.to_str()?;
+        match word.trim_start_matches('-').split_once('=') {
+            Some(("array" | "job", _)) if word.starts_with('-') => {}
+            None if word.starts_with('-') && ["array", "job"].contains(&word.trim_start_matches('-')) => {
+                rest.next();
+            }
+            _ => words.push(quoted(word)),
+        }
+    }
+    Some(words)
 }
 
 /// A word as a shell takes it.

@@ -164,29 +164,14 @@ fn compile_tree(
     let camera_name = options.camera.as_deref();
     let cameras = compiler.cameras(&camera_items, camera_name);
     let chosen = cameras::chosen(&cameras, camera_name);
-    let (shutter, readout) = cameras::shutter_of(&cameras, chosen, compiler.exposure(None));
-    compiler.scene.expose(shutter, readout);
-    if let Some(camera) = chosen.map(|i| &cameras[i]) {
-        let observed = compiler.scene.observe(camera.observer);
-        compiler.accepted(observed, camera.item.keyword_span());
-    }
+    compiler.open_shutter(&cameras, chosen);
     let camera_size = chosen.and_then(|i| cameras[i].size);
     compiler.background(background);
-    if let Some(item) = fog {
-        compiler.fog(item);
-    }
-    if let Some(item) = lights {
-        compiler.lights(item);
-    }
-    if let Some(item) = textures {
-        compiler.textures(item);
-    }
-    if let Some(item) = media {
-        compiler.media(item);
-    }
-    if let Some(item) = materials {
-        compiler.materials(item);
-    }
+    fog.into_iter().for_each(|item| compiler.fog(item));
+    lights.into_iter().for_each(|item| compiler.lights(item));
+    textures.into_iter().for_each(|item| compiler.textures(item));
+    media.into_iter().for_each(|item| compiler.media(item));
+    materials.into_iter().for_each(|item| compiler.materials(item));
     if let Some(item) = group.filter(|_| compiler.moving_fit(desc)) {
         compiler.objects(item);
     }
@@ -248,6 +233,18 @@ struct Compiler<'a> {
     model_cameras: Vec<NamedCamera>,
     /// Whether a model could not be read.
     lacks_a_model: bool,
+}
+
+impl Compiler<'_> {
+    /// Takes over when the camera that was chosen is open, and how it moves.
+    fn open_shutter(&mut self, cameras: &[camera::CameraRequest<'_>], chosen: Option<usize>) {
+        let (shutter, readout) = cameras::shutter_of(cameras, chosen, self.exposure(None));
+        self.scene.expose(shutter, readout);
+        if let Some(camera) = chosen.map(|i| &cameras[i]) {
+            let observed = self.scene.observe(camera.observer);
+            self.accepted(observed, camera.item.keyword_span());
+        }
+    }
 }
 
 impl<'a> Compiler<'a> {

@@ -136,24 +136,7 @@ impl Compiler<'_> {
         at: Span,
     ) -> Option<CompiledModel> {
         let _reading = self.memory_for_file(&file, at)?;
-        let moment = key.moment.clone().map(|(animation, seconds, repeats)| ModelMoment {
-            animation,
-            seconds: f64::from_bits(seconds),
-            outside: if repeats { Outside::Loop } else { Outside::Hold },
-        });
-        let model = match read_gltf_at(file, self.assets, &self.options.limits, moment.as_ref()) {
-            Ok(model) => model,
-            Err(error) => {
-                self.file_errors.push((error, at));
-                return None;
-            }
-        };
-        for sentence in &model.left_out {
-            self.warn_of_file(&key.path, sentence, at);
-        }
-        if model.instances.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
-            self.warn_of_file(&key.path, "it shows no meshes", at);
-        }
+        let model = self.read_file_of_model(file, key, at)?;
         self.warn_of_beads(&model, radii, &key.path, at);
         let pictures = ModelPictures { list: &model.pictures, path: &key.path, at };
         let mut materials: Vec<Option<MaterialId>> = Vec::new();
@@ -193,17 +176,53 @@ impl Compiler<'_> {
             }
             meshes.push(stored);
         }
-        if flat > 0 {
-            let message = format!("{flat} of its {triangles} triangles have no area and are left out");
-            self.warn_of_file(&key.path, &message, at);
-        }
-        if loses_attributes {
-            let message = "its second texture coordinates and tangents are left out where it is subdivided";
-            self.warn_of_file(&key.path, message, at);
-        }
+        self.warn_of_losses([flat, triangles], loses_attributes, &key.path, at);
         let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();
         Some(CompiledModel { parts, lights: model.lights.into(), cameras: model.cameras.into() })
+    }
+
+    /// What a file says, with warnings of what is left out.
+    fn read_file_of_model(&mut self, file: AssetFile, key: &ModelKey, at: Span) -> Option<Model> {
+        let moment = key.moment.clone().map(|(animation, seconds, repeats)| ModelMoment {
+            animation,
+            seconds: f64::from_bits(seconds),
+            outside: if repeats { Outside::Loop } else { Outside::Hold },
+        });
+        let model = match read_gltf_at(file, self.assets, &self.options.limits, moment.as_ref()) {
+            Ok(model) => model,
+            Err(error) => {
+                self.file_errors.push((error, at));
+                return None;
+            }
+        };
+        for sentence in &model.left_out {
+            self.warn_of_file(&key.path, sentence, at);
+        }
+        if model.instances.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
+            self.warn_of_file(&key.path, "it shows no meshes", at);
+        }
+        Some(model)
+    }
+
+    /// Warns of what a model has lost on its way into the scene.
+    ///
+    /// * `flat`, `triangles`: how many triangles have no area, and how many there are
+    fn warn_of_losses(
+        &mut self,
+        [flat, triangles]: [usize; 2],
+        loses_attributes: bool,
+        path: &str,
+        at: Span,
+    ) {
+        if flat > 0 {
+            let message = format!("{flat} of its {triangles} triangles have no area and are left out");
+            self.warn_of_file(path, &message, at);
+        }
+        if loses_attributes {
+            let message = "its second texture coordinates and tangents are left out where it is subdivided";
+            self.warn_of_file(path, message, at);
+        }
     }
 
     /// Says which points and lines are not shown because nobody asked for them.

@@ -77,14 +77,14 @@ pub trait RayEquation {
         1.0
     }
 
-    /// Frequency of light where the curve begins over that where it ends, both to those who are at rest there.
+    /// Frequency of light where the curve begins over that where it ends, both in the rest frames at its ends.
     ///
     /// Radiance over the third power of the frequency is what stays the same.
     fn frequency_ratio(&self, _from: &RayState, _to: &RayState) -> f64 {
         1.0
     }
 
-    /// What takes unit normals of surfaces at a state to those that somebody sees who measures directions there; `None` where nothing
+    /// What takes unit normals of surfaces at a state to those in the frame in which directions are measured there; `None` where nothing
     /// differs.
     fn normals(&self, _y: &RayState) -> Option<DMat3> {
         None

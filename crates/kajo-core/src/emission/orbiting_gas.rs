@@ -4,8 +4,8 @@
 //! orbit. Light that is seen with the frequency ratio `g` is that of a black body of temperature `g T`, in every direction and without
 //! any other factor: `L(ν)/ν³` stays the same along light, and Planck's law is a function of `ν/T` times `ν³`.
 //!
-//! Here light is handed out as somebody at rest sees it who is at the position itself: `g` is the Doppler shift of the orbit. What gravity
-//! does to it on its way is for whoever follows it to know.
+//! Light is given in the rest frame at the position itself: `g` is the Doppler shift of the orbit. What gravity
+//! does to it on its way is part of following the curve.
 
 use std::sync::Arc;
 
@@ -55,8 +55,8 @@ impl OrbitingGas {
     /// The radiance of a position.
     ///
     /// * `p`: world space
-    /// * `leaving`: unit direction in which the light goes, as somebody at rest sees it; of none it is that in the frame of the gas
-    /// * `wavelengths`: to somebody at rest; in RGB mode the colour is that of the light far away
+    /// * `leaving`: unit direction in which the light goes, in the rest frame; of none it is that in the frame of the gas
+    /// * `wavelengths`: in the rest frame; in RGB mode the colour is that of the light far away
     pub fn radiance(&self, p: Vec3, leaving: Option<Vec3>, wavelengths: &Wavelengths) -> Spectrum {
         let mass = self.space.hole().mass();
         let temperature = self.hottest * self.disk.relative_temperature(self.space.radius(p) / mass);

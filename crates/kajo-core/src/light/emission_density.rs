@@ -66,7 +66,7 @@ impl EmissionDensity {
         self.density.bytes()
     }
 
-    /// A point drawn for nobody, its density per area.
+    /// A point drawn by area, without a receiver.
     pub fn sample_area(&self, patch: &PlacedPatch<'_>, u: Vec2) -> Option<PatchSample> {
         let (at, density) = self.density.sample(u);
         let sample = patch.point_at(at)?;

@@ -1,4 +1,4 @@
-//! What integrators and lights tell one another: who is lit, from where, with which density.
+//! What integrators and lights exchange: receivers, samples of lights, and their densities.
 //!
 //! Light that arrives at a receiver is drawn by [`Emitter::sample_li`](super::Emitter::sample_li), light that leaves a light by
 //! [`Emitter::sample_le`](super::Emitter::sample_le). A light is chosen first, with the probability `c`, then a position on it

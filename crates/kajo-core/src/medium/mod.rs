@@ -8,7 +8,7 @@
 //!
 //! [Chandrasekhar 1950]. A medium has coefficients by wavelength ([`Coefficients`]), and a density by place that both of
 //! them are multiplied by. It also says how large the density is at most on each stretch of a ray ([`Majorant`]), which is
-//! what collisions are drawn by. How they are, is for the transport core to know.
+//! what collisions are drawn by. How they are drawn is part of the transport core.
 //!
 //! [`Fog`] is another thing: the haze of the classic formula, which scatters nothing.
 
@@ -98,7 +98,7 @@ pub trait Medium {
         None
     }
 
-    /// What a camera sees that is in it and moves: the unit direction in which the ray goes to somebody at rest, and the frequency that the
+    /// What a camera sees that is in it and moves: the unit direction of the ray in the rest frame, and the frequency that the
     /// camera sees over the one that they see. `None` for a camera at rest.
     fn observed(&self, _ray: &Ray) -> Option<(Vec3, f32)> {
         None

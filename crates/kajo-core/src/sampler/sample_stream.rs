@@ -129,7 +129,7 @@ impl<'a> SampleStream<'a> {
         }
     }
 
-    /// Leaves out dimensions that nobody needs here; those after them stay what they are.
+    /// Skips dimensions that are not needed here; those after them stay what they are.
     #[inline]
     pub fn skip(&mut self, n: u32) {
         self.take(n);
@@ -168,7 +168,7 @@ impl<'a> SampleStream<'a> {
         SampleStream::with_count(self.sampler.of_split(n), seed, self.pixel, sample, count)
     }
 
-    /// Independent numbers by dimension, for those who know their dimensions.
+    /// Independent numbers by dimension, for callers that name their dimensions.
     pub fn stream(&self) -> &Stream {
         &self.stream
     }

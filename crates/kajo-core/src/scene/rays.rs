@@ -1,6 +1,6 @@
 //! Rays through a scene: what is the nearest surface, is anything in the way, which are all the crossings.
 //!
-//! Which objects a ray comes near is for the [`Aggregate`](super::accel::Aggregate) to say; here they are tested.
+//! The [`Aggregate`](super::accel::Aggregate) finds the objects that a ray comes near; here they are tested.
 
 use kajo_math::Ray;
 
@@ -328,7 +328,7 @@ impl Visitor for Blockers<'_> {
 struct Passages<'a, F> {
     scene: &'a Scene,
     ray: &'a Ray,
-    /// Told of a crossing; whether nothing passes there.
+    /// Called with each crossing; returns whether nothing passes there.
     visit: F,
 }
 

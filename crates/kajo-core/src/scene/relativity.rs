@@ -94,7 +94,7 @@ pub struct Relativity {
     frames: Vec<RestFrame>,
     /// Of the objects that do not rest in the world.
     objects: HashMap<usize, FrameId>,
-    /// Who takes the picture.
+    /// The camera's observer.
     pub observer: Observer,
 }
 
@@ -248,8 +248,8 @@ impl Scene {
         Some(found)
     }
 
-    /// What is met along a ray through the world as it is at its moment 0, where what moves is contracted: not what anybody sees, but where
-    /// things are, for those who put them there.
+    /// What is met along a ray through the world as it is at its moment 0, where what moves is contracted: not what an observer sees, but where
+    /// things are, for editors.
     ///
     /// Returns it in the frame in which it rests, with its position and normals in the world.
     pub fn trace_snapshot(&self, ray: &Ray) -> Option<(Interaction, SurfacePoint)> {

@@ -129,21 +129,23 @@ impl Mapping {
         }
     }
 
+    /// A normal of the world in the texture's space; where there is none, the direction from the middle to `q` stands for it.
+    fn normal(&self, n: Vec3, q: Vec3) -> Vec3 {
+        // Normals go by the inverse transpose: by cross products of the columns.
+        let m = self.texture_from_world.matrix3;
+        let cofactors = [m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)];
+        let sum = cofactors.into_iter().zip(n.to_array()).fold(Vec3A::ZERO, |sum, (c, n)| sum + n * c);
+        let n = Vec3::from(if m.determinant() < 0.0 { -sum } else { sum }).normalize_or_zero();
+        if n == Vec3::ZERO { q.normalize_or(Vec3::Z) } else { n }
+    }
+
     /// Calls `f` with every place of the texture that has a share in a point, and with that share.
     #[inline]
     fn each(&self, at: &TextureContext, mut f: impl FnMut(&TextureContext, f32)) {
         let map = &self.texture_from_world;
         let q = map.transform_point3(at.p);
         let dq = at.footprint.p.map(|dp| map.transform_vector3(dp));
-        let normal = || {
-            // Normals go by the inverse transpose: by cross products of the columns.
-            let m = map.matrix3;
-            let cofactors = [m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)];
-            let n = cofactors.into_iter().zip(at.n.to_array()).fold(Vec3A::ZERO, |sum, (c, n)| sum + n * c);
-            let n = Vec3::from(if m.determinant() < 0.0 { -n } else { n }).normalize_or_zero();
-            // Without a surface the direction from the middle stands for it.
-            if n == Vec3::ZERO { q.normalize_or(Vec3::Z) } else { n }
-        };
+        let normal = || self.normal(at.n, q);
         let mut sheet = |uv: Vec2, duv: [Vec2; 2], share: f32| {
             let c = self.settled(uv.extend(0.0), duv.map(|d| d.extend(0.0)), at);
             let uv = SurfaceUv::from(c.p.truncate());

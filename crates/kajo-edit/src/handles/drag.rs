@@ -1,6 +1,6 @@
 //! From a cursor's way to a handle's new place, and from there to an edit.
 
-use kajo_math::{DQuat, DVec2, DVec3};
+use kajo_math::{DMat3, DQuat, DVec2, DVec3};
 
 use super::{Eye, Handle, Meaning, Track};
 use crate::{Edit, FieldValue, Movement};
@@ -88,8 +88,7 @@ impl Handle {
             }
             Meaning::Direction { key, from, length, towards } => {
                 let way = if *towards { *from - local } else { local - *from };
-                let direction = way.try_normalize()? * *length;
-                (set(key, vector(direction)), at)
+                (set(key, vector(way.try_normalize()? * *length)), at)
             }
             Meaning::Facing { from, length: normal } => {
                 let direction = (local - *from).try_normalize()?;
@@ -113,30 +112,37 @@ impl Handle {
                 return Some((self.corner(p, *high), world(p)));
             }
             Meaning::Cone { key, from, axis } => {
-                let off = local - *from;
-                let angle = 2.0 * off.cross(*axis).length().atan2(off.dot(*axis)).to_degrees();
-                let angle = Rounding { step: 0.01, snap: snap.degrees }.number(angle).clamp(0.0, 360.0);
-                (set(key, number(angle)), at)
+                (set(key, number(cone_angle(local - *from, *axis, snap))), at)
             }
             Meaning::Move => {
                 let by = Rounding { step, snap: snap.length }.vector(at - self.at);
                 (self.movement(Movement::Translate(by)), self.at + by)
             }
-            Meaning::Scale { center, axes, axis } => {
-                let arm = (self.at - *center).normalize_or_zero();
-                let factor = (at - *center).dot(arm) / (self.at - *center).length();
-                let factor = Rounding { step: 1e-4, snap: snap.factor }.number(factor);
-                let mut factors = DVec3::splat(factor);
-                if let Some(axis) = axis {
-                    factors = DVec3::ONE;
-                    factors[*axis] = factor;
-                }
-                let movement = Movement::Scale { center: *center, axes: *axes, factors };
-                let there = *center + factor * (self.at - *center);
-                (factor != 0.0).then(|| (self.movement(movement), there))?
-            }
+            Meaning::Scale { center, axes, axis } => self.scaled(at, snap, *center, *axes, *axis)?,
             Meaning::Turn => return None,
         })
+    }
+
+    /// A scaling about `center` by how far the handle was pulled, along one axis or all.
+    fn scaled(
+        &self,
+        at: DVec3,
+        snap: &Snap,
+        center: DVec3,
+        axes: DMat3,
+        axis: Option<usize>,
+    ) -> Option<(Edit, DVec3)> {
+        let arm = (self.at - center).normalize_or_zero();
+        let factor = (at - center).dot(arm) / (self.at - center).length();
+        let factor = Rounding { step: 1e-4, snap: snap.factor }.number(factor);
+        let mut factors = DVec3::splat(factor);
+        if let Some(axis) = axis {
+            factors = DVec3::ONE;
+            factors[axis] = factor;
+        }
+        let movement = Movement::Scale { center, axes, factors };
+        let there = center + factor * (self.at - center);
+        (factor != 0.0).then(|| (self.movement(movement), there))
     }
 
     /// A corner of a box goes to `p`: each coordinate belongs to one of the two corners in the text.
@@ -205,6 +211,12 @@ fn along(eye: &Eye<'_>, at: DVec3, direction: DVec3, there: DVec2) -> Option<DVe
     let across = direction.cross(sight.direction);
     // The plane through the line that is as square to the sight as can be.
     sight.intersect(at, across.cross(direction)).map(|hit| at + direction * (hit - at).dot(direction))
+}
+
+/// The full angle of a cone about `axis` whose side goes through `off`, in degrees.
+fn cone_angle(off: DVec3, axis: DVec3, snap: &Snap) -> f64 {
+    let angle = 2.0 * off.cross(axis).length().atan2(off.dot(axis)).to_degrees();
+    Rounding { step: 0.01, snap: snap.degrees }.number(angle).clamp(0.0, 360.0)
 }
 
 /// How values are rounded.

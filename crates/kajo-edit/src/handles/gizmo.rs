@@ -97,36 +97,20 @@ pub fn gizmo_of(document: &Document, node: NodeId, eye: &Eye<'_>, mode: Mode, ax
         Mode::Move => {
             let middle = handle(HandleKind::Middle, pivot, Track::Screen, Meaning::Move, "move");
             let arrows = each.clone().map(|(i, axis)| {
-                handle(
-                    HandleKind::Arrow(i),
-                    pivot + arm * axis,
-                    Track::Line(axis),
-                    Meaning::Move,
-                    "move along",
-                )
+                let at = pivot + arm * axis;
+                handle(HandleKind::Arrow(i), at, Track::Line(axis), Meaning::Move, "move along")
             });
             let squares = each.map(|(i, axis)| {
-                let corner = 0.3 * arm * (columns[(i + 1) % 3] + columns[(i + 2) % 3]);
-                handle(
-                    HandleKind::Square(i),
-                    pivot + corner,
-                    Track::Plane(axis),
-                    Meaning::Move,
-                    "move across",
-                )
+                let at = pivot + 0.3 * arm * (columns[(i + 1) % 3] + columns[(i + 2) % 3]);
+                handle(HandleKind::Square(i), at, Track::Plane(axis), Meaning::Move, "move across")
             });
             arrows.chain(squares).chain([middle]).collect()
         }
         Mode::Turn => each
             .map(|(i, axis)| {
+                let at = pivot + arm * columns[(i + 1) % 3];
                 let track = Track::Circle { center: pivot, axis };
-                handle(
-                    HandleKind::Ring(i),
-                    pivot + arm * columns[(i + 1) % 3],
-                    track,
-                    Meaning::Turn,
-                    "turn around",
-                )
+                handle(HandleKind::Ring(i), at, track, Meaning::Turn, "turn around")
             })
             .collect(),
         Mode::Scale => {

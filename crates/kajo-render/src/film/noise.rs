@@ -8,7 +8,7 @@
 //! e_b² = V / (M² + ε²)        e = sqrt(mean of e_b² over blocks, weighted by pixels)
 //! ```
 //!
-//! where `ε` is a tenth of the mean of the picture, so that dark blocks need not be better than anybody can
+//! where `ε` is a tenth of the mean of the picture, so that dark blocks need not be better than one can
 //! see. It is a relative error, free of the picture's scale. The variance of independent samples is assumed;
 //! stratified ones do better than it says. Where light comes by splats, `V` is the sum of the variances of both.
 

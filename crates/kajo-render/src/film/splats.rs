@@ -45,7 +45,7 @@ const PANELS: u32 = 4096;
 pub(crate) struct SplatSums {
     pub rect: Rect,
     values: Vec<[i128; 3]>,
-    /// Sums of the squares of those that fell into the pixel; empty where nobody wants the variance.
+    /// Sums of the squares of those that fell into the pixel; empty where the variance is not asked for.
     squares: Vec<[i128; 3]>,
 }
 

@@ -41,7 +41,7 @@ pub struct Classic<'a> {
     view: CameraView<'a>,
     /// What camera rays may meet.
     camera_items: Option<ItemBuffer>,
-    /// Who gives light, with the factor of it.
+    /// The lights, each with the factor of its light.
     emitters: Vec<(LightId, f32)>,
     /// What may be in front of each of them; for those beyond its end it is not known.
     light_items: Vec<Option<ItemBuffer>>,

@@ -135,7 +135,7 @@ pub const DEFAULT: &IntegratorSpec = &classic::CLASSIC;
 
 /// What all integrators of this family do: take a sample and tell of it. A member is a file with a type that does this.
 pub(crate) trait Integrator: Sync {
-    /// Casts one camera ray, and tells `observer` of every ray and all light that follows from it.
+    /// Casts one camera ray and follows it; `observer` is called for every ray and all light that is found.
     ///
     /// * the rest: as for [`PixelIntegrator::sample`]
     fn observe<O: PathObserver>(

@@ -117,7 +117,7 @@ impl Integrator for Path<'_> {
 }
 
 impl Path<'_> {
-    /// As [`Integrator::observe`], with somebody who knows of indirect light, and is returned.
+    /// As [`Integrator::observe`], with a source of indirect light, which is returned.
     pub(super) fn observe_with<O: PathObserver, C: IndirectLight>(
         &self,
         ctx: &mut SampleContext<'_>,

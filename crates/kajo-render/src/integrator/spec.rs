@@ -1,4 +1,4 @@
-//! What an integrator says of itself, so that nobody else needs to know which there are.
+//! The description of an integrator, from which all lists of integrators are made.
 
 use std::fmt;
 
@@ -104,7 +104,7 @@ pub fn bounces_from_both_ends(scene: &Scene, without: u32) -> u32 {
     }
 }
 
-/// What integrators say that know nothing of participating media.
+/// The note of integrators that leave participating media out.
 pub const WITHOUT_MEDIA: &str = "media are left out: what scatters or absorbs light between surfaces is carried by the \
      integrators that follow paths, such as `path` and `bidirectional`";
 
@@ -113,7 +113,7 @@ pub fn without_media(scene: &Scene) -> Option<&'static str> {
     scene.has_media().then_some(WITHOUT_MEDIA)
 }
 
-/// What integrators say that know nothing of bodies which bend light.
+/// The note of integrators that leave out that bodies bend light.
 pub const WITHOUT_CURVES: &str = "light goes straight through bodies that bend it: the integrators that follow paths, such as \
      `path`, bend it";
 
@@ -122,7 +122,7 @@ pub fn without_curves(scene: &Scene) -> Option<&'static str> {
     (scene.space() == Space::Curved).then_some(WITHOUT_CURVES)
 }
 
-/// What integrators say that know nothing of speeds near that of light.
+/// The note of integrators that leave out speeds near that of light.
 const WITHOUT_FRAMES: &str = "what a `Lorentz` holds is left out, and the camera's `velocity`: light at such speeds is followed by \
      `path`, `direct` and `distribution`";
 

@@ -103,7 +103,7 @@ impl Plan {
     }
 }
 
-/// What part a pass is of the whole, for those who watch.
+/// What part a pass is of the whole, for observers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Share {
     /// Samples taken before.

@@ -1,6 +1,6 @@
-//! A render in units of work that anybody may do, in any order, anywhere.
+//! A render in units of work that may be done in any order, anywhere.
 //!
-//! A *stage* is a range of samples of all pixels that can be taken before anybody need look at the picture. Most
+//! A *stage* is a range of samples of all pixels that can be taken before the picture decides on the next. Most
 //! renders have one. A goal for noise has one up to each look at the noise; adaptive sampling has a pilot and a rest.
 //! A stage is cut into units, each some pixels and some of the samples, which [`render_work_unit`] puts into a film. The
 //! films of all units add up ([`Film::absorb`]) to that of [`render_passes`](super::render_passes), to the bit.

@@ -103,13 +103,7 @@ fn changes(
             Curve::new(document, buffers, sampler, budget).map_err(|said| format!("samplers[{i}]: {said}"))
         })
         .collect::<Result<_, _>>()?;
-    // An animation begins with the first key of any channel and lasts up to the last one.
-    let first = curves.iter().map(|curve| curve.times[0]).fold(f64::INFINITY, f64::min);
-    let last =
-        curves.iter().map(|curve| curve.times[curve.times.len() - 1]).fold(f64::NEG_INFINITY, f64::max);
-    // On a grid of nanoseconds, so that frames a whole number of rounds apart are the same.
-    let [start, last, time] = [first.min(0.0), last, first.min(0.0) + moment.seconds].map(on_grid);
-    let time = if last > start { moment.outside.within(time, [start, last]) } else { start };
+    let time = time_within(&curves, moment);
     let (mut changes, mut skipped) = (Vec::with_capacity(animation.channels.len()), 0);
     for (i, channel) in animation.channels.iter().enumerate() {
         let named = |said: String| format!("channels[{i}]: {said}");
@@ -122,10 +116,8 @@ fn changes(
         let Some(said) = document.nodes.get(node) else {
             return Err(named(format!("there is no nodes[{node}]")));
         };
-        let targets = said
-            .mesh
-            .and_then(|mesh| document.meshes.get(mesh))
-            .map_or(0, |mesh| mesh.primitives.first().map_or(0, |primitive| primitive.targets.len()));
+        let mesh = said.mesh.and_then(|mesh| document.meshes.get(mesh));
+        let targets = mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |first| first.targets.len());
         let width = match channel.target.path.as_str() {
             "translation" | "scale" => 3,
             "rotation" => 4,
@@ -152,6 +144,17 @@ fn changes(
         ));
     }
     Ok((changes, skipped))
+}
+
+/// The moment in the time of the animation's keys.
+fn time_within(curves: &[Curve<'_>], moment: &ModelMoment) -> f64 {
+    // An animation begins with the first key of any channel and lasts up to the last one.
+    let first = curves.iter().map(|curve| curve.times[0]).fold(f64::INFINITY, f64::min);
+    let last =
+        curves.iter().map(|curve| curve.times[curve.times.len() - 1]).fold(f64::NEG_INFINITY, f64::max);
+    // On a grid of nanoseconds, so that frames a whole number of rounds apart are the same.
+    let [start, last, time] = [first.min(0.0), last, first.min(0.0) + moment.seconds].map(on_grid);
+    if last > start { moment.outside.within(time, [start, last]) } else { start }
 }
 
 fn on_grid(seconds: f64) -> f64 {

@@ -165,6 +165,41 @@ impl Vertices {
     }
 }
 
+impl Vertices {
+    /// The corners of a triangle none of whose edges is known.
+    ///
+    /// * `what`: the lower half of its code
+    /// * `table`: of frequent pairs of vertices
+    fn without_edge(&mut self, what: u8, table: &[u8; 16], rest: &mut &[u8]) -> Option<[u32; 3]> {
+        // 0 is a new vertex, 15 one that is written out, anything else one of the latest.
+        let (of_a, pair) = match what {
+            14 => (0, take(rest, 1)?[0]),
+            15 => (15, take(rest, 1)?[0]),
+            _ => (0, table[usize::from(what)]),
+        };
+        if what >= 14 && pair == 0 {
+            self.next = 0;
+        }
+        let kinds = [of_a, pair >> 4, pair & 15];
+        let is_written_out = |kind: u8| kind == 15 && what >= 14;
+        let mut corners = [0; 3];
+        for (corner, kind) in corners.iter_mut().zip(kinds) {
+            *corner = if kind == 0 { self.fresh() } else { self.latest.get(kind) };
+        }
+        for (corner, kind) in corners.iter_mut().zip(kinds) {
+            if is_written_out(kind) {
+                *corner = self.written_out(rest)?;
+            }
+        }
+        for (&corner, kind) in corners.iter().zip(kinds) {
+            if kind == 0 || is_written_out(kind) {
+                self.latest.push(corner);
+            }
+        }
+        Some(corners)
+    }
+}
+
 fn triangles(data: &[u8], count: usize) -> Option<Vec<u32>> {
     let (&first, rest) = data.split_first()?;
     let version = first & 0x0f;
@@ -199,31 +234,7 @@ fn triangles(data: &[u8], count: usize) -> Option<Vec<u32>> {
             list.extend([a, b, c]);
             continue;
         }
-        // No edge is known: 0 is a new vertex, 15 one that is written out, anything else one of the latest.
-        let (of_a, pair) = match what {
-            14 => (0, take(&mut rest, 1)?[0]),
-            15 => (15, take(&mut rest, 1)?[0]),
-            _ => (0, table[usize::from(what)]),
-        };
-        if what >= 14 && pair == 0 {
-            vertices.next = 0;
-        }
-        let kinds = [of_a, pair >> 4, pair & 15];
-        let is_written_out = |kind: u8| kind == 15 && what >= 14;
-        let mut corners = [0; 3];
-        for (corner, kind) in corners.iter_mut().zip(kinds) {
-            *corner = if kind == 0 { vertices.fresh() } else { vertices.latest.get(kind) };
-        }
-        for (corner, kind) in corners.iter_mut().zip(kinds) {
-            if is_written_out(kind) {
-                *corner = vertices.written_out(&mut rest)?;
-            }
-        }
-        for (&corner, kind) in corners.iter().zip(kinds) {
-            if kind == 0 || is_written_out(kind) {
-                vertices.latest.push(corner);
-            }
-        }
+        let corners = vertices.without_edge(what, table, &mut rest)?;
         let [a, b, c] = corners;
         edges.push([b, a]);
         edges.push([c, b]);

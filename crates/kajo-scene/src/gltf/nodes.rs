@@ -28,6 +28,56 @@ pub(super) struct Shown {
     pub node: Option<usize>,
 }
 
+/// What instances are read with.
+struct Reading<'r, 'd> {
+    document: &'r Document,
+    buffers: &'r Buffers<'d>,
+    limits: &'r Limits,
+    budget: &'r mut Budget,
+    /// Number of each mesh, and of each that its node has a say in, in [`Tree::shown`].
+    numbers: HashMap<Shown, usize>,
+}
+
+impl Reading<'_, '_> {
+    /// Adds the instances of a node's mesh.
+    ///
+    /// * `number`: of the node
+    fn show(&mut self, tree: &mut Tree, mesh: usize, number: usize, place: &DAffine3) -> Result<(), String> {
+        let Reading { document, buffers, limits, budget, numbers } = self;
+        let node = &document.nodes[number];
+        let place = *place;
+        let named = |said: String| format!("nodes[{number}]: {said}");
+        let Some(shown) = document.meshes.get(mesh) else {
+            return Err(named(format!("there is no meshes[{mesh}]")));
+        };
+        let name = node.name.as_ref().or(shown.name.as_ref()).filter(|name| !name.is_empty()).cloned();
+        let instancing = node.extensions.as_ref().and_then(|extensions| extensions.instancing.as_ref());
+        let many = instancing.map(|instancing| Many::new(document, buffers, instancing));
+        let many = many.transpose().map_err(named)?;
+        let count = many.as_ref().map_or(1, |many| many.count);
+        let model = &mut tree.model;
+        if count > limits.objects - model.instances.len() {
+            return Err(format!("there are more than {} instances", limits.objects));
+        }
+        budget.take::<ModelInstance>(count)?;
+        let has_a_say = node.skin.is_some() || node.weights.is_some();
+        let shown = Shown { mesh, node: has_a_say.then_some(number) };
+        let mesh = *numbers.entry(shown).or_insert_with(|| {
+            tree.shown.push(shown);
+            tree.shown.len() - 1
+        });
+        // The joints of a skin say where it is, whatever its own node does.
+        let base = if node.skin.is_some() { DAffine3::IDENTITY } else { place };
+        let place_of = |i| many.as_ref().map_or(base, |many| base * many.get(i));
+        model.instances.extend((0..count).map(|i| ModelInstance {
+            name: name.clone(),
+            mesh,
+            model_from_mesh: place_of(i),
+        }));
+        Ok(())
+    }
+}
+
 /// Walks the scene's nodes.
 pub(super) fn read(
     document: &Document,
@@ -37,7 +87,7 @@ pub(super) fn read(
 ) -> Result<Tree, String> {
     budget.take::<Option<DAffine3>>(document.nodes.len())?;
     let mut tree = Tree { places: vec![None; document.nodes.len()], ..Tree::default() };
-    let mut numbers = HashMap::new();
+    let mut reading = Reading { document, buffers, limits, budget, numbers: HashMap::new() };
     let mut open: Vec<(usize, DAffine3)> =
         roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY)).collect();
     while let Some((number, parent)) = open.pop() {
@@ -51,40 +101,14 @@ pub(super) fn read(
         }
         let named = |said: String| format!("nodes[{number}]: {said}");
         if let Some(mesh) = node.mesh {
-            let Some(shown) = document.meshes.get(mesh) else {
-                return Err(named(format!("there is no meshes[{mesh}]")));
-            };
-            let name = node.name.as_ref().or(shown.name.as_ref()).filter(|name| !name.is_empty()).cloned();
-            let instancing = node.extensions.as_ref().and_then(|extensions| extensions.instancing.as_ref());
-            let many = instancing.map(|instancing| Many::new(document, buffers, instancing));
-            let many = many.transpose().map_err(named)?;
-            let count = many.as_ref().map_or(1, |many| many.count);
-            let model = &mut tree.model;
-            if count > limits.objects - model.instances.len() {
-                return Err(format!("there are more than {} instances", limits.objects));
-            }
-            budget.take::<ModelInstance>(count)?;
-            let has_a_say = node.skin.is_some() || node.weights.is_some();
-            let shown = Shown { mesh, node: has_a_say.then_some(number) };
-            let mesh = *numbers.entry(shown).or_insert_with(|| {
-                tree.shown.push(shown);
-                tree.shown.len() - 1
-            });
-            // The joints of a skin say where it is, whatever its own node does.
-            let base = if node.skin.is_some() { DAffine3::IDENTITY } else { place };
-            let place_of = |i| many.as_ref().map_or(base, |many| base * many.get(i));
-            model.instances.extend((0..count).map(|i| ModelInstance {
-                name: name.clone(),
-                mesh,
-                model_from_mesh: place_of(i),
-            }));
+            reading.show(&mut tree, mesh, number, &place)?;
         }
         if let Some(light) = light_of(document, node, &place).map_err(named)? {
-            budget.take::<ModelLight>(1)?;
+            reading.budget.take::<ModelLight>(1)?;
             tree.model.lights.push(light);
         }
         if let Some(camera) = camera_of(document, node, &place).map_err(named)? {
-            budget.take::<ModelCamera>(1)?;
+            reading.budget.take::<ModelCamera>(1)?;
             tree.model.cameras.push(camera);
         }
         open.extend(node.children.iter().rev().map(|&child| (child, place)));

@@ -114,6 +114,11 @@ impl Kind {
     }
 }
 
+/// Texture coordinates that count upwards.
+fn upright([u, v]: [f32; 2]) -> [f32; 2] {
+    [u, 1.0 - v]
+}
+
 struct Reader<'d, 'b> {
     document: &'d Document,
     buffers: &'d Buffers<'b>,
@@ -154,18 +159,11 @@ impl Reader<'_, '_> {
             mesh.face_normals = Corners::Vertices;
             self.morph("NORMAL", &mut mesh.normals, &used, pose, budget)?;
         }
-        let upright = |[u, v]: [f32; 2]| [u, 1.0 - v];
         if let Some(uvs) = uvs {
             mesh.uvs = used.iter().map(|v| skipped.report.finite_or_zero(upright(uvs.floats(v)))).collect();
             mesh.face_uvs = Corners::Vertices;
         }
-        if let Some(set) = self.sets.second
-            && let Some(uvs) = self.attribute::<2>(&format!("TEXCOORD_{set}"), count)?
-        {
-            budget.take::<[f32; 2]>(used.len())?;
-            let uvs = used.iter().map(|v| skipped.report.finite_or_zero(upright(uvs.floats(v))));
-            part.second_uvs = uvs.collect();
-        }
+        self.second_uvs(&mut part, &used, count, budget, skipped)?;
         part.mesh.colors = self.colors(&used, count, budget)?;
         if !part.mesh.colors.is_empty() {
             part.mesh.face_colors = Corners::Vertices;
@@ -186,6 +184,23 @@ impl Reader<'_, '_> {
         part.points.retain(finite);
         part.segments.retain(|ends| ends.iter().all(finite));
         Ok(part)
+    }
+
+    /// The second texture coordinates, where they are asked for and there are some.
+    fn second_uvs(
+        &self,
+        part: &mut ModelPart,
+        used: &Used,
+        count: usize,
+        budget: &mut Budget,
+        skipped: &mut Skipped,
+    ) -> Result<(), String> {
+        let Some(set) = self.sets.second else { return Ok(()) };
+        let Some(uvs) = self.attribute::<2>(&format!("TEXCOORD_{set}"), count)? else { return Ok(()) };
+        budget.take::<[f32; 2]>(used.len())?;
+        let uvs = used.iter().map(|v| skipped.report.finite_or_zero(upright(uvs.floats(v))));
+        part.second_uvs = uvs.collect();
+        Ok(())
     }
 
     /// Colours at the vertices; none where all are white.

@@ -61,25 +61,29 @@ pub fn unpack(packed: &[u8], out: &mut [u8]) -> Result<(), VolumeError> {
                 stream.copy_from_slice(data);
                 continue;
             }
-            match codec {
-                1 => lz4::unpack(data, stream).ok_or_else(damaged)?,
-                3 => unzip(data, stream)?,
-                _ => {
-                    let name = ["BloscLZ", "LZ4", "Snappy", "zlib", "Zstandard"]
-                        .get(usize::from(codec))
-                        .unwrap_or(&"an unknown codec");
-                    let message = format!(
-                        "its values are compressed by Blosc with {name}, and only LZ4 and zlib are read"
-                    );
-                    return Err(VolumeError::Content(message));
-                }
-            }
+            decode(codec, data, stream)?;
         }
         if !shuffled.is_empty() {
             unshuffle(&shuffled[..len], part, width);
         }
     }
     Ok(())
+}
+
+/// Fills a stream by the codec of this number.
+fn decode(codec: u8, data: &[u8], stream: &mut [u8]) -> Result<(), VolumeError> {
+    match codec {
+        1 => lz4::unpack(data, stream).ok_or_else(damaged),
+        3 => unzip(data, stream),
+        _ => {
+            let name = ["BloscLZ", "LZ4", "Snappy", "zlib", "Zstandard"]
+                .get(usize::from(codec))
+                .unwrap_or(&"an unknown codec");
+            let message =
+                format!("its values are compressed by Blosc with {name}, and only LZ4 and zlib are read");
+            Err(VolumeError::Content(message))
+        }
+    }
 }
 
 fn read_u32(bytes: &[u8], at: usize) -> Option<usize> {

@@ -24,6 +24,21 @@ pub(super) struct Pipelines {
     outline_layout: wgpu::BindGroupLayout,
 }
 
+const CORNERS: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Unorm8x4];
+const TRANSFORMS: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Unorm8x4];
+const LINES: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4, 2 => Unorm8x4];
+
+/// Values of type `T`, one after the other.
+fn layout_of<T>(
+    step_mode: wgpu::VertexStepMode,
+    attributes: &[wgpu::VertexAttribute],
+) -> wgpu::VertexBufferLayout<'_> {
+    wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes }
+}
+
 /// What tells one pipeline from another.
 struct Plan<'a> {
     vertex: &'a str,
@@ -46,26 +61,11 @@ impl Pipelines {
             layout: &view_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
         });
-        let corners = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Unorm8x4];
-        let places = wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Unorm8x4];
-        let line = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4, 2 => Unorm8x4];
         let of_surfaces = [
-            Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Vertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &corners,
-            }),
-            Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<InstanceTransform>() as u64,
-                step_mode: wgpu::VertexStepMode::Instance,
-                attributes: &places,
-            }),
+            Some(layout_of::<Vertex>(wgpu::VertexStepMode::Vertex, &CORNERS)),
+            Some(layout_of::<InstanceTransform>(wgpu::VertexStepMode::Instance, &TRANSFORMS)),
         ];
-        let of_lines = [Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<LineInstance>() as u64,
-            step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &line,
-        })];
+        let of_lines = [Some(layout_of::<LineInstance>(wgpu::VertexStepMode::Instance, &LINES))];
         let surfaces = Plan {
             vertex: "project_surface",
             fragment: "shade_surface",
@@ -95,10 +95,8 @@ impl Pipelines {
             vertex: "project_outline",
             fragment: "shade_outline",
             buffers: &[],
-            strip: false,
-            target: COLOR,
-            blend: None,
             depth: None,
+            ..surfaces
         };
         let make = |plan: &Plan<'_>, layout| plan.build(device, &shader, layout);
         Pipelines {

@@ -28,22 +28,7 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
             item(ui, "Recover edits...", "", commands, Command::Do(Action::Recover));
             item(ui, "Quit", "Ctrl+Q", commands, Command::Do(Action::Close));
         });
-        ui.menu_button("Edit", |ui| {
-            let document = studio.document.as_ref();
-            let undo =
-                document.and_then(|document| document.undo_label()).map(|label| format!("Undo {label}"));
-            let redo =
-                document.and_then(|document| document.redo_label()).map(|label| format!("Redo {label}"));
-            item(ui, undo.as_deref().unwrap_or("Undo"), "Ctrl+Z", commands, Command::Do(Action::Undo));
-            item(ui, redo.as_deref().unwrap_or("Redo"), "Ctrl+Shift+Z", commands, Command::Do(Action::Redo));
-            ui.separator();
-            item(ui, "Cut", "Ctrl+X", commands, Command::Cut);
-            item(ui, "Copy", "Ctrl+C", commands, Command::Copy);
-            item(ui, "Paste", "Ctrl+V", commands, Command::AskForPaste);
-            ui.separator();
-            item(ui, "Duplicate", "Ctrl+D", commands, Command::Do(Action::Duplicate));
-            item(ui, "Delete", "Del", commands, Command::Do(Action::Delete));
-        });
+        ui.menu_button("Edit", |ui| edit_menu(ui, studio, commands));
         ui.menu_button("Camera", |ui| {
             item(ui, "Frame", "F", commands, Command::Do(Action::Frame));
             item(ui, "Back a step", "Alt+Left", commands, Command::Do(Action::StepCamera(true)));
@@ -77,6 +62,22 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| middle(ui, studio, commands));
         });
     });
+}
+
+/// Undo, and what is done with the selection.
+fn edit_menu(ui: &mut Ui, studio: &Studio, commands: &mut Vec<Command>) {
+    let document = studio.document.as_ref();
+    let undo = document.and_then(|document| document.undo_label()).map(|label| format!("Undo {label}"));
+    let redo = document.and_then(|document| document.redo_label()).map(|label| format!("Redo {label}"));
+    item(ui, undo.as_deref().unwrap_or("Undo"), "Ctrl+Z", commands, Command::Do(Action::Undo));
+    item(ui, redo.as_deref().unwrap_or("Redo"), "Ctrl+Shift+Z", commands, Command::Do(Action::Redo));
+    ui.separator();
+    item(ui, "Cut", "Ctrl+X", commands, Command::Cut);
+    item(ui, "Copy", "Ctrl+C", commands, Command::Copy);
+    item(ui, "Paste", "Ctrl+V", commands, Command::AskForPaste);
+    ui.separator();
+    item(ui, "Duplicate", "Ctrl+D", commands, Command::Do(Action::Duplicate));
+    item(ui, "Delete", "Del", commands, Command::Do(Action::Delete));
 }
 
 /// The name of the scene, and the buttons of the gizmos where there is room for them.

@@ -73,12 +73,7 @@ impl TextEditor {
                 number_lines(ui, &editor.galley, editor.galley_pos);
             }
             let rows = Rows { galley: &editor.galley, origin: editor.galley_pos };
-            let mut ends = HashMap::new();
-            for problem in problems {
-                let Some(place) = problem.place.as_ref().filter(|at| at.file == file.name) else { continue };
-                let end = ends.entry(place.line).or_insert_with(|| rows.rect(place.line - 1).right());
-                *end = rows.mark(ui, problem, place, *end);
-            }
+            rows.mark_all(ui, problems, &file.name);
             self.visit(ui, &rows, document, (id, file), selection);
             let caret = editor.cursor_range.map(|range| range.primary.index.0);
             let is_typed = editor.response.changed();
@@ -94,13 +89,7 @@ impl TextEditor {
             }
             let changed = is_typed || is_completed;
             if changed {
-                let text = line_ends::edited(&file.text, &self.shown);
-                let lines = |text: &str| text.matches('\n').count();
-                let is_new_line = lines(&text) != lines(&file.text);
-                actions.push(Action::Type { file: id, text });
-                if is_new_line {
-                    actions.push(Action::EndTyping);
-                }
+                self.type_into(id, file, actions);
             } else if editor.response.lost_focus() || caret != self.caret {
                 actions.push(Action::EndTyping);
             }
@@ -110,6 +99,17 @@ impl TextEditor {
             }
         });
         self.colored = colored;
+    }
+
+    /// Types what is shown into the file; a line that begins or ends is a step of its own.
+    fn type_into(&self, id: FileId, file: &SceneFile, actions: &mut Vec<Action>) {
+        let text = line_ends::edited(&file.text, &self.shown);
+        let lines = |text: &str| text.matches('\n').count();
+        let is_new_line = lines(&text) != lines(&file.text);
+        actions.push(Action::Type { file: id, text });
+        if is_new_line {
+            actions.push(Action::EndTyping);
+        }
     }
 
     /// Puts a word that was chosen into the text, and the caret behind it.
@@ -195,6 +195,16 @@ impl Rows<'_> {
     fn rect(&self, line: usize) -> Rect {
         let row = self.galley.rows.get(line).or(self.galley.rows.last());
         row.map_or(Rect::NOTHING, |row| row.rect()).translate(self.origin.to_vec2())
+    }
+
+    /// Marks all problems of a file, those of one line one behind the other.
+    fn mark_all(&self, ui: &mut Ui, problems: &[Problem], file: &str) {
+        let mut ends = HashMap::new();
+        for problem in problems {
+            let Some(place) = problem.place.as_ref().filter(|at| at.file == file) else { continue };
+            let end = ends.entry(place.line).or_insert_with(|| self.rect(place.line - 1).right());
+            *end = self.mark(ui, problem, place, *end);
+        }
     }
 
     /// Underlines the place of a problem and says behind its line what it is; returns where the words end.

@@ -46,7 +46,7 @@ impl<'a> Geodesics<'a> {
         (x, self.space.chart.metric(x), self.space.vector_in_hole(momentum(y)))
     }
 
-    /// The frequency that somebody at rest sees, and the direction in which the light goes, in the axes of the hole; on the surface of
+    /// The frequency in the rest frame, and the direction in which the light goes, in the axes of the hole; on the surface of
     /// the body the frequency far away.
     fn received(&self, y: &RayState) -> Option<(f64, DVec3)> {
         let (x, metric, p) = self.parts(y);

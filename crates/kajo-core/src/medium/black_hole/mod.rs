@@ -4,9 +4,9 @@
 //! are those of the scene ([`kajo_math::gravity::Kerr`]). Outside it goes straight: the body ought to be a ball, and what its
 //! surface cuts off is a deflection of the order of `M b / R²` for light of impact parameter `b`, `R` the radius of the ball.
 //!
-//! Everything in the body rests in the coordinates but for the gas of disks. Directions of light are those that somebody at rest sees
+//! Everything in the body rests in the coordinates but for the gas of disks. Directions of light are those in the rest frame
 //! ([`kajo_math::gravity::Observer`]), and so are frequencies; on the surface of the body frequencies are those far away.
-//! Where nobody can rest, in the ergosphere, somebody sees them who is dragged around.
+//! Where nothing can rest, in the ergosphere, the frame is that of an observer who is dragged around.
 //!
 //! Light is followed backwards, from the eye. So it is sent into the future around the hole that spins the other way; see
 //! [`Kerr`]. Only for an eye that falls in, which may be inside of the horizon, light is followed into its past: [`Sense::Past`].
@@ -199,11 +199,11 @@ impl BlackHole {
         self.hole.mass() * thin_disk::innermost_orbit(self.spin_along(with_axis))
     }
 
-    /// How the frequency of light from gas on a circular orbit is shifted: as somebody at rest at the place sees it over as the gas does,
-    /// and as somebody far away sees it over as somebody at rest does. `None` where no gas can go around.
+    /// How the frequency of light from gas on a circular orbit is shifted: in the rest frame at the position over that of the gas,
+    /// and far away over that in the rest frame. `None` where no gas can go around.
     ///
     /// * `p`: world space
-    /// * `d`: unit direction in which the light goes, as somebody at rest sees it
+    /// * `d`: unit direction in which the light goes, in the rest frame
     pub fn shift_of_orbit(&self, p: Vec3, d: Vec3, with_axis: bool) -> Option<(f64, f64)> {
         let x = self.point_in_hole(p.as_dvec3());
         let along = self.vector_in_hole(d.as_dvec3()).normalize();
@@ -226,8 +226,8 @@ impl BlackHole {
         }
     }
 
-    /// The velocity of what goes around at the angular velocity of circular orbits, as somebody at rest measures it at a world-space
-    /// point; in world space and in units of the speed of light. `None` where nobody rests, or nothing is as fast.
+    /// The velocity of what goes around at the angular velocity of circular orbits, in the rest frame at a world-space
+    /// point; in world space and in units of the speed of light. `None` where nothing can rest, or nothing is as fast.
     pub fn orbital_velocity(&self, p: Vec3, with_axis: bool) -> Option<Vec3> {
         let x = self.point_in_hole(p.as_dvec3());
         self.measured(x, |chart| Observer::rotating(chart, x, self.angular_velocity(x, with_axis)))
@@ -242,7 +242,7 @@ impl BlackHole {
         })
     }
 
-    /// The velocity of somebody in the frame of somebody at rest.
+    /// The velocity of an observer in the rest frame.
     fn measured(&self, x: DVec3, observer: impl Fn(&Kerr) -> Option<Observer>) -> Option<Vec3> {
         if self.hole.radius(x) <= self.hole.horizon() {
             return None;
@@ -254,7 +254,7 @@ impl BlackHole {
     }
 }
 
-/// Somebody at rest; who is dragged around where nobody rests; who falls where nobody stays.
+/// An observer at rest; dragged around where nothing can rest; falling where nothing can stay.
 fn resting(chart: &Kerr, x: DVec3) -> Option<Observer> {
     let outside = Observer::at_rest(chart, x).or_else(|| Observer::dragged(chart, x));
     outside.or_else(|| Observer::falling(chart, x))

@@ -394,7 +394,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         (!passage.t.is_black() && density > 0.0).then(share)
     }
 
-    /// Tells of a segment that joins two vertices.
+    /// Reports a segment that joins two vertices to the observer.
     ///
     /// * `found`: what it adds to the sample
     fn tell(

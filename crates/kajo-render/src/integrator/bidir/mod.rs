@@ -300,8 +300,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         observer.next(RayKind::Light);
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
         loop {
-            let (bsdf, collision) = match advance(scene, &mut path.state, &mut surface, &mut first, observer)
-            {
+            let event = advance(scene, &mut path.state, &mut surface, &mut first, observer);
+            let (bsdf, collision) = match event {
                 Event::Surface => {
                     let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
                     if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
@@ -328,10 +328,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             }
             vertices.push(vertex);
             observer.note();
-            if vertices.len() as u32 + 2 == self.longest() {
-                break;
-            }
-            if !path.scatter_at(&vertex, &surface, collision.as_ref(), self.settings.roulette, observer) {
+            let (is_last, roulette) = (vertices.len() as u32 + 2 == self.longest(), self.settings.roulette);
+            if is_last || !path.scatter_at(&vertex, &surface, collision.as_ref(), roulette, observer) {
                 break;
             }
         }

@@ -10,7 +10,7 @@
 //!
 //! where `w_light` and `w_camera` sum `(p_j / p_s)^2` over the ways that draw fewer points from the light, and more.
 //!
-//! Two ways that differ in who drew `xi` differ by the factor `p>(xi) / p<(xi)`, the densities per area of drawing it
+//! Two techniques that differ in the side from which `xi` was sampled differ by the factor `p>(xi) / p<(xi)`, the densities per area of drawing it
 //! from the side of the light and from that of the camera. So the sums over the ways on both sides of a
 //! connection grow with the paths. For the end `xi` of a path from the light,
 //!

@@ -84,7 +84,7 @@ impl<V: Volume> Vertex<'_, V> {
         LocalFrame::new(&self.shading, wo)
     }
 
-    /// Who is lit, for the choice of a light: the same whichever end the path began at.
+    /// The receiver, for the choice of a light: the same whichever end the path began at.
     pub fn receiver(&self, time: f32) -> Receiver {
         Receiver { p: self.at.p, n: self.shading.n, time }
     }

@@ -10,7 +10,7 @@
 //! accepted in their order, if still uncovered        one thread
 //! ```
 //!
-//! Neither the number of threads nor who renders which part of the picture has a say in any of it.
+//! The result depends neither on the number of threads nor on how the picture is split.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::RayOffset;

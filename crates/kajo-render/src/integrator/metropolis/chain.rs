@@ -57,7 +57,7 @@ pub struct Evaluation<'a> {
     sampler: Sampler,
     scratch: Scratch,
     rays: RayCounters,
-    /// Tells the seeds of what is not given apart.
+    /// Keeps the seeds of hashed numbers apart.
     key: Key,
 }
 

@@ -45,7 +45,7 @@ use start::Starts;
 /// Side of the block of pixels that shares a chain.
 const BLOCK: u32 = 32;
 
-/// Standard error of the brightness, as a share of it, above which the user is told.
+/// Standard error of the brightness, as a share of it, above which there is a note.
 const UNSURE: f64 = 0.02;
 
 /// Moves samples of another integrator, before it knows where to begin.

@@ -1,4 +1,4 @@
-//! Directions in which a path goes on from a surface: by its scattering, or by a rule that knows nothing of it.
+//! Directions in which a path goes on from a surface: by its scattering, or by a rule independent of it.
 
 use std::f32::consts::FRAC_1_PI;
 

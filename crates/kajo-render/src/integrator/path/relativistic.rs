@@ -291,7 +291,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         Event::Surface
     }
 
-    /// Tells the observer of a ray, in the world's coordinates.
+    /// Reports a ray to the observer, in the world's coordinates.
     fn tell(
         &mut self,
         path: &FramePath<'_>,

@@ -201,7 +201,7 @@ pub(in crate::integrator) struct PathTracer<'a, 's, O: PathObserver, C> {
 }
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
-    /// * `indirect`: who knows of indirect light
+    /// * `indirect`: a source of indirect light
     /// * `forks`: room for them
     pub fn new(
         view: &'a CameraView<'a>,
@@ -231,7 +231,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         (self.estimate.sensed_with(&path.state), &self.estimate)
     }
 
-    /// The memory of the list of forks, and who knows of indirect light.
+    /// The memory of the list of forks, and the source of indirect light.
     pub fn into_parts(self) -> (Vec<Fork<'s, O::Mark>>, C) {
         (self.forks, self.indirect)
     }
@@ -643,7 +643,7 @@ impl Estimate {
     }
 }
 
-/// Who is lit at a surface.
+/// The receiver of light at a surface.
 pub(super) fn receiver(surface: &SurfaceInteraction, local: &LocalFrame) -> Receiver {
     Receiver { p: surface.at.point.p, n: local.n(), time: surface.at.time }
 }

@@ -134,7 +134,7 @@ impl<'a> Stretch<'a> {
     }
 }
 
-/// Who follows a walk from collision to collision.
+/// Called along a ray, from collision to collision.
 trait CollisionVisitor {
     /// Passes a stretch without collisions.
     ///

@@ -32,7 +32,7 @@ pub enum Curve {
 /// ```
 ///
 /// for radiance, with the index `n` where the way begins and `n'` where it ends: radiance over `n^2` stays the same. Power is what it was.
-/// What becomes of the frequency is for [`PathState::shift_frequency`].
+/// Frequencies change by [`PathState::shift_frequency`].
 ///
 /// Where the path is a camera's first ray, it is seen as the camera moves.
 ///

@@ -1,4 +1,4 @@
-//! What becomes of a path when the frequency of its light is another one for somebody else: by gravity, or by motion.
+//! What becomes of a path whose light has another frequency in another frame: by gravity, or by motion.
 
 use kajo_core::bsdf::Transport;
 

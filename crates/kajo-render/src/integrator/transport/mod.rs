@@ -25,7 +25,7 @@
 //! * [`follow_phase`], [`connect_through_media`]: the same in media, where [`Event::Medium`] is a collision that scatters
 //! * [`follow`], [`survives`]: on along a scattered direction, and Russian roulette
 //!
-//! No step calls the next one, and none knows who called it: a path is followed by calling them in turn, and many paths can
+//! No step calls the next one, and none depends on its caller: a path is followed by calling them in turn, and many paths can
 //! be by calling each of them for all. The order in which they take random numbers is part of their contract.
 
 mod arrival;

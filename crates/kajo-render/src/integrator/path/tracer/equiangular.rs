@@ -1,7 +1,7 @@
 //! Points of a ray in a medium drawn by their angle as a light sees them [Kulla and Fajardo 2012].
 //!
 //! Light that comes from a small light and is scattered once on a ray is an integral over the ray of a function with a peak `1 / d^2` where the ray
-//! passes the light at the distance `D`. Free paths know nothing of that. So for a light `l`, drawn for the ray with the probability `P_r(l)`, a distance is drawn with
+//! passes the light at the distance `D`. Free paths do not depend on that. So for a light `l`, drawn for the ray with the probability `P_r(l)`, a distance is drawn with
 //!
 //! ```text
 //! e(t) = D / ((b - a) (D^2 + (t - s)^2)),    t = s + D tan((1 - u) a + u b)          [Kulla and Fajardo 2012, eq. 4 and 5]

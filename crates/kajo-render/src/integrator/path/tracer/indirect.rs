@@ -42,7 +42,7 @@ pub enum Indirect {
     Unwanted,
 }
 
-/// Who knows of indirect light.
+/// A source of indirect light.
 pub trait IndirectLight {
     /// Whether anything is asked; where not, all of it is compiled away.
     const IS_ASKED: bool;
@@ -72,7 +72,7 @@ impl IndirectLight for Sampled {
 }
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
-    /// Takes indirect light from who knows it; `None` where nobody does, else whether the path goes on.
+    /// Takes indirect light from this source; `None` where it has none, else whether the path goes on.
     ///
     /// Takes the numbers of [`CameraPath::go_on`], and those of direct light.
     #[inline(never)]
