@@ -29,7 +29,7 @@ use crate::{
     Auxiliary, Film, FilmPart, PixelIntegrator, Progress, RayCounters, Rect, SampleContext, Setup,
     SetupError, context::RAYS_PER_CHECK, state::States,
 };
-use pass::{Plan, Share, carry_out};
+use pass::{PassShare, Plan, carry_out};
 pub use passes::{Goal, Position, render_passes};
 pub use stages::render_work_unit;
 
@@ -240,11 +240,11 @@ pub fn render<I: PixelIntegrator + ?Sized>(
         let with_state = states.at(begin, &setup, &mut stats.rays);
         let with_state = with_state.map_err(|error| RenderError::of_setup(error, stats))?;
         let plan = Plan::new(film, settings, begin..end, &[]);
-        let share = Share {
+        let share = PassShare {
             samples: stats.samples,
             rays: stats.rays.total(),
             samples_in_all: in_all,
-            ..Share::default()
+            ..PassShare::default()
         };
         let watched = (film, progress);
         let done = match with_state {

@@ -105,7 +105,7 @@ impl Plan {
 
 /// What part a pass is of the whole, for observers.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Share {
+pub(super) struct PassShare {
     /// Samples taken before.
     pub samples: u64,
     /// Rays cast before.
@@ -123,7 +123,7 @@ pub(super) struct Pass<'a, I: ?Sized> {
     settings: &'a RenderSettings,
     progress: &'a dyn Progress,
     plan: &'a Plan,
-    share: Share,
+    share: PassShare,
     next: AtomicU64,
     /// A bit for each unit that is in the film.
     finished: Vec<AtomicU64>,
@@ -148,7 +148,7 @@ impl<'a, I: PixelIntegrator + ?Sized> Pass<'a, I> {
         settings: &'a RenderSettings,
         progress: &'a dyn Progress,
         plan: &'a Plan,
-        share: Share,
+        share: PassShare,
     ) -> Pass<'a, I> {
         let words = plan.len().div_ceil(64) as usize;
         Pass {
@@ -299,7 +299,7 @@ pub(super) fn carry_out<I: PixelIntegrator + ?Sized>(
     integrator: &I,
     (film, progress): (&Film, &dyn Progress),
     settings: &RenderSettings,
-    (plan, share): (&Plan, Share),
+    (plan, share): (&Plan, PassShare),
     finished: &[u64],
 ) -> Done {
     let pass = Pass::new(integrator, film, settings, progress, plan, share).after(finished);

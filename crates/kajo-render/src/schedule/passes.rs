@@ -16,7 +16,7 @@ use std::{
 
 use super::{
     Progress, RenderError, RenderSettings, RenderStats, adaptive,
-    pass::{Done, Plan, Share, carry_out},
+    pass::{Done, PassShare, Plan, carry_out},
 };
 use crate::{
     Film, PixelIntegrator, SetupError,
@@ -252,9 +252,9 @@ impl Position {
         }
     }
 
-    fn share(&self, film: &Film, settings: &RenderSettings, plan: &Plan, stats: &RenderStats) -> Share {
+    fn share(&self, film: &Film, settings: &RenderSettings, plan: &Plan, stats: &RenderStats) -> PassShare {
         let pixels = plan.sampled.area();
-        Share {
+        PassShare {
             samples: film.samples(),
             rays: stats.rays.total(),
             samples_in_all: (pixels * u64::from(settings.sampler.samples()))

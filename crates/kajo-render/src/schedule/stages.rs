@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use super::{
     Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Unit,
-    pass::{Plan, Share, carry_out},
+    pass::{PassShare, Plan, carry_out},
     passes::{LEAST_FOR_NOISE, REGULAR_STEP, is_quiet_enough},
 };
 use crate::{Film, PixelIntegrator, state::States};
@@ -64,7 +64,7 @@ pub fn render_work_unit<I: PixelIntegrator + ?Sized>(
         let with_state = with_state.map_err(|error| RenderError::of_setup(error, stats))?;
         let plan = Plan::over(film, settings, sampled, begin..end, &position.limits);
         let (samples, rays) = (stats.samples, stats.rays.total());
-        let share = Share { samples, rays, samples_in_all: in_all, whole_units: true };
+        let share = PassShare { samples, rays, samples_in_all: in_all, whole_units: true };
         let watched = (film, progress);
         let done = match with_state {
             Some(with_state) => carry_out(with_state, watched, settings, (&plan, share), &[]),

@@ -69,6 +69,7 @@ pub(super) mod triangle_mesh;
 pub(super) mod wood;
 mod wormhole;
 
+use self::patterns::PATTERNS;
 use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, ObjectMember, TextureMember};
 use crate::schema::{Absent, Block, FieldKind, FieldSpec, Kind};
 
@@ -149,31 +150,8 @@ pub(super) const LIGHT_LIST: Block =
 pub(super) const MATERIAL_LIST: Block =
     Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
 
-/// All kinds of textures that have names, in the order in which they are offered.
-pub(super) const TEXTURES: [&TextureMember; 31] = [
-    &patterns::tilings::BRICK,
-    &patterns::tilings::HEXAGONS,
-    &patterns::tilings::CHECKS,
-    &patterns::tilings::CELLS,
-    &patterns::bands::GRADIENT,
-    &patterns::bands::RADIAL,
-    &patterns::bands::SPIRAL,
-    &patterns::bands::ONION,
-    &patterns::noises::CLOUDS,
-    &patterns::noises::TURBULENCE,
-    &patterns::noises::RIDGED,
-    &patterns::noises::WRINKLES,
-    &patterns::noises::GRANITE,
-    &patterns::noises::GABOR,
-    &patterns::bands::VEINS,
-    &patterns::bands::AGATE,
-    &patterns::bands::RINGS,
-    &patterns::bands::TIMBER,
-    &patterns::cellular::WORLEY,
-    &patterns::cellular::CRACKLE,
-    &patterns::bands::LEOPARD,
-    &patterns::bands::RIPPLES,
-    &patterns::bands::WAVES,
+/// Textures that are made of others.
+const TEXTURE_OPERATIONS: [&TextureMember; 8] = [
     &texture_operations::PLACED,
     &texture_operations::RAMP,
     &texture_operations::CURVE,
@@ -183,6 +161,17 @@ pub(super) const TEXTURES: [&TextureMember; 31] = [
     &texture_operations::ADD,
     &texture_operations::FORMULA,
 ];
+
+/// All kinds of textures that have names, in the order in which they are offered: patterns, and what is made of others.
+pub(super) const TEXTURES: [&TextureMember; PATTERNS.len() + TEXTURE_OPERATIONS.len()] = {
+    let mut all = [PATTERNS[0]; PATTERNS.len() + TEXTURE_OPERATIONS.len()];
+    let mut i = 0;
+    while i < all.len() {
+        all[i] = if i < PATTERNS.len() { PATTERNS[i] } else { TEXTURE_OPERATIONS[i - PATTERNS.len()] };
+        i += 1;
+    }
+    all
+};
 
 pub(super) const TEXTURE_LIST: Block =
     Block { keyword: "Textures", kind: Kind::Textures, about: "textures that have names", groups: &[] };

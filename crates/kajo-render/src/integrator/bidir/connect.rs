@@ -60,7 +60,7 @@ struct Join<'a> {
 }
 
 /// What comes along a segment that joins two vertices.
-struct Share {
+struct SegmentShare {
     /// What the medium that it starts in leaves; in scenes with participating media all that is left, over the mean density of the lanes.
     within: Spectrum,
     /// What holes and panes leave.
@@ -314,7 +314,7 @@ impl<V: Volume> Bidirectional<'_, V> {
                 let distance = if li.at.is_infinite() { f32::INFINITY } else { li.at.p().distance(o) };
                 let sigma_a = media.absorption().filter(|_| distance.is_finite());
                 let within = sigma_a.map_or(Spectrum::WHITE, |sigma_a| (sigma_a * -distance).exp());
-                Share { within, visible, reach: 1.0 }
+                SegmentShare { within, visible, reach: 1.0 }
             }
         };
         let by_camera = V::scaled(pdf_camera, || share.reach);
@@ -363,12 +363,12 @@ impl<V: Volume> Bidirectional<'_, V> {
         segment: &Ray,
         with: Joining<'_, '_>,
         observer: &mut impl PathObserver,
-    ) -> Option<Share> {
+    ) -> Option<SegmentShare> {
         if let Some(volume) = z.volume.filled() {
             return self.through_media(segment, &volume.media[z.side(wi)], with, observer);
         }
         let visible = connect(self.scene(), segment, z.eta(wi), with.wavelengths, with.draws, observer);
-        let share = || Share { within: z.transmittance(wi, distance), visible, reach: 1.0 };
+        let share = || SegmentShare { within: z.transmittance(wi, distance), visible, reach: 1.0 };
         (!visible.is_black()).then(share)
     }
 
@@ -382,11 +382,11 @@ impl<V: Volume> Bidirectional<'_, V> {
         media: &MediumStack,
         with: Joining<'_, '_>,
         observer: &mut impl PathObserver,
-    ) -> Option<Share> {
+    ) -> Option<SegmentShare> {
         let wavelengths = *with.wavelengths;
         let passage = connect_through_media(self.scene(), segment, *media, with, observer);
         let density = wavelengths.mean(passage.r_l);
-        let share = || Share {
+        let share = || SegmentShare {
             within: passage.t * density.recip(),
             visible: Spectrum::WHITE,
             reach: passage.reach(&wavelengths),

@@ -15,9 +15,37 @@ use crate::compile::fields::{
     Defaulted, Keys, Sources, at_least, between, choice, choices, count, degrees, flag, keys, number,
     positive,
 };
+use crate::compile::member::TextureMember;
 use crate::compile::named_texture::NamedTexture;
 use crate::compile::transform;
 use crate::texture::{FloatTexture, MappedColor, MappedFloat, Mapping, PatternNode, Projection, UvSet};
+
+/// All patterns, in the order in which they are offered.
+pub const PATTERNS: [&TextureMember; 23] = [
+    &tilings::BRICK,
+    &tilings::HEXAGONS,
+    &tilings::CHECKS,
+    &tilings::CELLS,
+    &bands::GRADIENT,
+    &bands::RADIAL,
+    &bands::SPIRAL,
+    &bands::ONION,
+    &noises::CLOUDS,
+    &noises::TURBULENCE,
+    &noises::RIDGED,
+    &noises::WRINKLES,
+    &noises::GRANITE,
+    &noises::GABOR,
+    &bands::VEINS,
+    &bands::AGATE,
+    &bands::RINGS,
+    &bands::TIMBER,
+    &cellular::WORLEY,
+    &cellular::CRACKLE,
+    &bands::LEOPARD,
+    &bands::RIPPLES,
+    &bands::WAVES,
+];
 
 /// The words for projections.
 #[derive(Clone, Copy, PartialEq)]
