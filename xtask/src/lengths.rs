@@ -8,7 +8,7 @@ const TOO_LONG: usize = 60;
 /// A function ends at the first line that is its indentation and a brace; `rustfmt` makes sure of that.
 pub fn find(text: &str) -> Vec<(usize, &str, usize)> {
     let lines: Vec<&str> = text.lines().collect();
-    let end = lines.windows(2).position(|pair| is_test_module(pair)).unwrap_or(lines.len());
+    let end = lines.windows(2).position(is_test_module).unwrap_or(lines.len());
     let functions = lines[..end].iter().enumerate().filter_map(|(i, line)| Some((i, function(line)?)));
     let measured = functions.filter_map(|(i, (indent, name))| {
         let is_end = |line: &&str| line.strip_prefix(indent).is_some_and(|rest| rest == "}");
@@ -17,7 +17,7 @@ pub fn find(text: &str) -> Vec<(usize, &str, usize)> {
         if !lines[i + has_body].ends_with('{') {
             return None;
         }
-        let length = lines[i..].iter().position(|line| is_end(line))? + 1;
+        let length = lines[i..].iter().position(is_end)? + 1;
         (length >= TOO_LONG).then_some((i + 1, name, length))
     });
     measured.collect()

@@ -51,10 +51,7 @@ fn instead_of(name: &str, is_lower: bool) -> Option<&'static str> {
         return None;
     }
     let is = |retired: &&str| if is_lower { retired.to_lowercase() == name } else { *retired == name };
-    RETIRED
-        .iter()
-        .find(|(retired, _)| retired.iter().any(|retired| is(&retired)))
-        .map(|(_, instead)| *instead)
+    RETIRED.iter().find(|(retired, _)| retired.iter().any(is)).map(|(_, instead)| *instead)
 }
 
 /// The kind and the name of what a line begins to define, if it does.
