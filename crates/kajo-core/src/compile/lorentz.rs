@@ -119,8 +119,10 @@ impl Compiler<'_> {
     }
 
     /// Whether an object can stand at a place, which does not move within a `Lorentz` block; if not, that is reported.
-    pub(super) fn may_rest(&mut self, place: &Place, by: Item<'_>) -> bool {
-        if !self.is_moving() || place.world.constant().is_some() {
+    ///
+    /// * `has_moving_parts`: whether it moves in part
+    pub(super) fn may_rest(&mut self, place: &Place, has_moving_parts: bool, by: Item<'_>) -> bool {
+        if !self.is_moving() || (place.world.constant().is_some() && !has_moving_parts) {
             return true;
         }
         let message = "what a `Lorentz` holds rests in it, and cannot be moved by a `Motion` as well";

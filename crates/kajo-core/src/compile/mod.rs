@@ -379,6 +379,8 @@ mod animation_tests;
 #[cfg(test)]
 mod camera_tests;
 #[cfg(test)]
+mod csg_motion_tests;
+#[cfg(test)]
 mod csg_tests;
 #[cfg(test)]
 mod definition_tests;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use kajo_bvh::BuildSettings;
-use kajo_math::{DVec2, rng::Stream, warp};
+use kajo_math::{DVec2, Motion, rng::Stream, warp};
 
 use super::*;
 use crate::interaction::RayOffset;
@@ -191,7 +191,8 @@ fn carved(operation: SetOperation) -> Csg {
     let map = kajo_math::DAffine3::from_translation(DVec3::new(0.4, 0.3, 0.2))
         * kajo_math::DAffine3::from_rotation_z(0.4)
         * kajo_math::DAffine3::from_scale(DVec3::new(1.0, 0.8, 1.2));
-    let part = |shape: AnyShape, map| vec![SolidPart { shape, map, material: None }];
+    let part =
+        |shape: AnyShape, map| vec![SolidPart { shape, map: Motion::still(map), material: None, source: 0 }];
     let still = kajo_math::DAffine3::IDENTITY;
     let cuboid = Cuboid::new(Vec3::new(-0.6, -0.7, -0.5), Vec3::new(0.5, 0.4, 0.6));
     let operands = [

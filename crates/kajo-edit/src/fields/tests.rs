@@ -50,6 +50,9 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Shape | Kind::Instance | Kind::Transform => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Define thing {{ }} {text} }}")
         }
+        Kind::Group if block.fields().next().is_some() => {
+            format!("{camera} {materials} Group {{ MaterialIndex 0 {text} }}")
+        }
         Kind::Group | Kind::Define | Kind::Lights | Kind::Materials | Kind::Textures | Kind::Media => {
             format!("{camera} {text}")
         }
@@ -113,6 +116,7 @@ fn needed(block: &Block) -> String {
             };
             needed + aim + opening
         }
+        Kind::Group => needed + "Sphere { center 0 0 0  radius 1 } ",
         _ if block.keyword == "Lathe" => needed + "profile { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
         Kind::Medium if block.keyword == "GridMedium" => needed + "size 2 1 1  values 0 1  density 1 ",
@@ -159,6 +163,11 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
             within.contains(&key) || blocks().any(|other| other.keyword == key && other.kind == Kind::Medium)
         };
         there.retain(|key| !is_block(key));
+        // What holds objects may hold any.
+        if block.kind == Kind::Group {
+            there.retain(|key| !["MaterialIndex", "numObjects"].contains(&&**key));
+            there.retain(|key| blocks().all(|other| other.keyword != key));
+        }
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {
             there.insert("obj_file".to_owned());
