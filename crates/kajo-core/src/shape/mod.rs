@@ -39,7 +39,7 @@ mod vertex_attributes;
 pub use bezier::{Bezier, ControlPoint, Path};
 pub use bicubic_patch::BicubicPatch;
 pub use bilinear_patch::BilinearPatch;
-pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel};
+pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel, MOST_MATERIALS};
 pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;

@@ -83,9 +83,10 @@ fn blob() -> Blob {
         core: BlobCore::Ball(DVec3::new(x, 0.2 * x, -0.1)),
         radius: 0.6,
         strength,
+        material: 0,
     };
     let rod = BlobCore::Cylinder([DVec3::new(-0.3, -0.5, 0.0), DVec3::new(0.2, 0.5, 0.3)]);
-    let rod = BlobComponent { core: rod, radius: 0.4, strength: 0.7 };
+    let rod = BlobComponent { core: rod, radius: 0.4, strength: 0.7, material: 0 };
     Blob::new(BlobKernel::Gaussian, 0.5, &[ball(-0.4, 1.0), ball(0.5, 1.2), ball(0.0, -0.4), rod]).unwrap()
 }
 

@@ -24,8 +24,10 @@ fn scene_with(block: &Block, text: &str) -> String {
             let ball = "Sphere { center 0 0 0  radius 1 }";
             format!("{camera} {materials} Group {{ MaterialIndex 0 Transform {{ {moving} {ball} }} }}")
         }
-        Kind::Part if ["sphere", "cylinder"].contains(&block.keyword) => {
-            format!("{camera} {materials} Group {{ MaterialIndex 0 Blob {{ {text} }} }}")
+        Kind::Part if ["sphere", "cylinder", "plane"].contains(&block.keyword) => {
+            let materials = "Materials { Matte { } Matte { } Matte { } }";
+            let other = "sphere { center 9 9 9  radius 1  material 1 }";
+            format!("{camera} {materials} Group {{ MaterialIndex 2 Blob {{ {other} {text} }} }}")
         }
         Kind::Part if block.keyword == "profile" => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Lathe {{ {text} }} }}")
@@ -152,6 +154,7 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
             "Noise",
             "sphere",
             "cylinder",
+            "plane",
             "outline",
             "profile",
             "path",
