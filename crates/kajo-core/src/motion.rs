@@ -80,6 +80,12 @@ impl MovingTransform {
         self.resting.is_none() || self.holds_moving
     }
 
+    /// Whether what is mapped moves within its own space.
+    #[inline]
+    pub(crate) fn holds_moving(&self) -> bool {
+        self.holds_moving
+    }
+
     /// Takes note that what is mapped moves within its own space.
     pub(crate) fn hold_moving(&mut self) {
         self.holds_moving = true;

@@ -216,15 +216,19 @@ impl Geometry {
         }
         match self.motion_of(at.object) {
             None => at.point.p,
-            Some(motion) => match self.part_motion(at) {
+            Some(motion) => match self.part_motion(motion, at) {
                 None => motion.painted(at.point.p, at.time),
                 Some(inner) => motion.painted_part(inner, at.point.p, at.time),
             },
         }
     }
 
-    /// How what was met moves within its object.
-    fn part_motion(&self, at: &Interaction) -> Option<&MovingTransform> {
+    /// How what was met moves within its object, which moves by `motion`.
+    #[inline]
+    fn part_motion(&self, motion: &MovingTransform, at: &Interaction) -> Option<&MovingTransform> {
+        if !motion.holds_moving() {
+            return None;
+        }
         let shape = self.primitives.get(at.object.index())?.shape;
         self.shapes.part_motion(shape, at.hit.part)
     }
@@ -249,7 +253,7 @@ impl Geometry {
             None => at.point.p,
             Some(motion) => {
                 let own = motion.at(at.time).object_from_world.transform_point3(at.point.p);
-                let inner = self.part_motion(at);
+                let inner = self.part_motion(motion, at);
                 motion.at(time).point(inner.map_or(own, |inner| inner.carried(own, [at.time, time])))
             }
         }
