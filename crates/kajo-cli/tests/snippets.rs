@@ -54,8 +54,8 @@ fn snippets(file: &Path) -> Vec<Snippet> {
 /// A scene around the snippet, with all materials that it names.
 fn scene(Snippet { kind, text, .. }: &Snippet) -> String {
     let words: Vec<&str> = text.split(|c: char| c.is_whitespace() || c == '{' || c == '}').collect();
-    let used =
-        words.windows(2).filter(|pair| pair[0].eq_ignore_ascii_case("MaterialIndex")).map(|pair| pair[1]);
+    let names_one = |word: &str| word.eq_ignore_ascii_case("MaterialIndex") || word == "material";
+    let used = words.windows(2).filter(|pair| names_one(pair[0])).map(|pair| pair[1]);
     let mut named: Vec<&str> = used.filter(|name| name.starts_with(char::is_alphabetic)).collect();
     named.sort_unstable();
     named.dedup();

@@ -207,6 +207,7 @@ impl SceneBuilder {
         let motions = std::mem::take(&mut self.motions);
         self.geometry.motions =
             motions.into_iter().map(|motion| MovingTransform::new(motion, shutter)).collect();
+        self.expose_moving_parts();
         let varied_emissions = self.area_lights().map_err(SceneError::LightMemory)?;
         // The classic rule: a scene without lights is fully lit by ambient light.
         let ambient = if self.light_list.is_empty() { Spectrum::WHITE } else { self.ambient };

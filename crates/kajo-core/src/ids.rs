@@ -116,6 +116,11 @@ impl PoseId {
     pub fn moving_in<T>(self, motions: &[T]) -> Option<&T> {
         motions.get(!self.0 as usize)
     }
+
+    /// The same to change it.
+    pub fn moving_in_mut<T>(self, motions: &mut [T]) -> Option<&mut T> {
+        motions.get_mut(!self.0 as usize)
+    }
 }
 
 /// Names an object: an entry of [`crate::scene::Geometry::primitives`], or past their end an object in a nested instance.

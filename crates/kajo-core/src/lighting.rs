@@ -261,6 +261,7 @@ impl EmissiveSurfaces for Scene {
         let LeavingLight { p, d } = leaving;
         let primitive = &self.geometry.primitives[light.object.index()];
         let own = self.geometry.transform_of(primitive, time).object_from_world.transform_point3(p);
+        let own = self.geometry.at_opening((primitive.shape, light.part), own, time);
         let hit = self.geometry.shapes.hit_at(primitive.shape, light.part, own);
         let point = SurfacePoint { p, ..SurfacePoint::default() };
         let at = Interaction { point, hit, object: light.object, time, ..Interaction::default() };
@@ -271,7 +272,7 @@ impl EmissiveSurfaces for Scene {
     fn shows(&self, light: &AreaLight, p: Vec3, time: f32) -> bool {
         let primitive = &self.geometry.primitives[light.object.index()];
         let own = self.geometry.transform_of(primitive, time).object_from_world.transform_point3(p);
-        self.geometry.shapes.shows(primitive.shape, light.part, own)
+        self.geometry.shapes.shows(primitive.shape, light.part, own, time)
     }
 }
 

@@ -48,6 +48,8 @@ pub struct MovingTransform {
     shutter: Shutter,
     /// The map, if it is the same for all rays.
     resting: Option<Transform>,
+    /// Whether what is mapped moves within its own space.
+    holds_moving: bool,
     /// The map when patterns are painted.
     painted: Affine3A,
 }
@@ -58,7 +60,7 @@ impl MovingTransform {
         let resting = motion.is_still_over(shutter.interval());
         let resting = resting.then(|| Transform::of_invertible(&motion.at(shutter.open)));
         let painted = Transform::of_invertible(&motion.at(shutter.painted)).world_from_object;
-        MovingTransform { motion, shutter, resting, painted }
+        MovingTransform { motion, shutter, resting, holds_moving: false, painted }
     }
 
     /// The map at a ray's time.
@@ -73,9 +75,30 @@ impl MovingTransform {
         self.motion.at(self.shutter.moment(time))
     }
 
-    /// Whether the map differs between rays.
+    /// Whether what is mapped is elsewhere for other rays, in whole or in part.
     pub fn moves(&self) -> bool {
+        self.resting.is_none() || self.holds_moving
+    }
+
+    /// Whether what is mapped moves within its own space.
+    #[inline]
+    pub(crate) fn holds_moving(&self) -> bool {
+        self.holds_moving
+    }
+
+    /// Takes note that what is mapped moves within its own space.
+    pub(crate) fn hold_moving(&mut self) {
+        self.holds_moving = true;
+    }
+
+    /// Whether the map differs between rays.
+    pub(crate) fn is_moving_map(&self) -> bool {
         self.resting.is_none()
+    }
+
+    /// `inner` first and then this.
+    pub(crate) fn then(&self, inner: &MovingTransform) -> MovingTransform {
+        MovingTransform::new(self.motion.then(&inner.motion), self.shutter)
     }
 
     /// Boxes for the two ends of a part of the shutter's interval such that the box that moves steadily from one to
@@ -98,6 +121,22 @@ impl MovingTransform {
     /// Patterns in world space are painted there, and so go along with the object.
     pub fn painted(&self, p: Vec3, time: f32) -> Vec3 {
         self.painted.transform_point3(self.at(time).object_from_world.transform_point3(p))
+    }
+
+    /// The same for a point of a part that moves by `inner` within the object.
+    pub(crate) fn painted_part(&self, inner: &MovingTransform, p: Vec3, time: f32) -> Vec3 {
+        let own = self.at(time).object_from_world.transform_point3(p);
+        self.painted.transform_point3(inner.painted(own, time))
+    }
+
+    /// Where the point that is at `p` at a ray's time is at that of another one.
+    pub(crate) fn carried(&self, p: Vec3, [from, to]: [f32; 2]) -> Vec3 {
+        self.at(to).point(self.at(from).object_from_world.transform_point3(p))
+    }
+
+    /// How things have moved from the time of a ray to that of another one.
+    pub(crate) fn between(&self, [from, to]: [f32; 2]) -> Transform {
+        Transform::of_invertible(&(self.map_at(to) * self.map_at(from).inverse()))
     }
 
     /// The map at some times that tell whether it ever changes shapes.

@@ -11,6 +11,13 @@ pub(crate) struct Label {
     keyword: u8,
 }
 
+impl Label {
+    /// The number of the item that describes it.
+    pub(crate) fn item(self) -> u32 {
+        self.item
+    }
+}
+
 /// Stands for "no name" in a [`Label`].
 const NO_NAME: u32 = u32::MAX;
 

@@ -170,6 +170,12 @@ impl Document {
         lights.nth(place as usize).map(|node| node.id)
     }
 
+    /// The node of an item of the text that [`Document::scene`] was made of; see [`crate::preview::LineKind::Subtracted`].
+    pub fn node_of_item(&self, item: u32) -> Option<NodeId> {
+        let tree = &self.compiled.made.as_ref()?.tree;
+        tree.outline.at_item(item).map(|node| node.id)
+    }
+
     /// The nodes that place an object and that describe it.
     fn nodes_of_object(&self, number: u32) -> Option<[Option<NodeId>; 2]> {
         let made = self.compiled.made.as_ref()?;

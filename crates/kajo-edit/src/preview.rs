@@ -2,8 +2,8 @@
 //!
 //! Shapes become triangles in world space, in one mesh. Meshes stay what they are and are drawn where each
 //! of their instances stands; spheres are instances of one unit sphere, so that a thousand of them are a thousand
-//! matrices. Infinite planes become squares that reach to the horizon. Lights and the scene's own camera are drawn
-//! in lines. What moves is shown where it is when the shutter opens.
+//! matrices. Infinite planes become squares that reach to the horizon. Lights, the scene's own camera and what
+//! set operations take away are drawn in lines. What moves is shown where it is when the shutter opens.
 //!
 //! Nested instances, of which there may be more than can be drawn, are shown from the largest to the smallest as
 //! long as that takes not too many triangles, and as boxes from there on: [`Preview::has_boxes`] says so.
@@ -89,7 +89,7 @@ pub struct Preview {
     pub meshes: Vec<PreviewMesh>,
     /// Where they stand; sorted by mesh.
     pub instances: Vec<PreviewInstance>,
-    /// Lights and the scene's own camera.
+    /// Lights, the scene's own camera, and what set operations take away.
     pub lines: Vec<Line>,
     /// A box around everything that has bounds; of unit size around the origin when nothing has.
     pub bounds: Aabb,

@@ -60,7 +60,11 @@ fn check(window: &mut Window, name: &str) {
 
 /// A window that is drawn, where that can be.
 fn window() -> Option<Window> {
-    let Ok(mut window) = std::panic::catch_unwind(Window::drawn) else {
+    window_of(common::SCENE)
+}
+
+fn window_of(scene: &str) -> Option<Window> {
+    let Ok(mut window) = std::panic::catch_unwind(|| Window::with(scene, true)) else {
         eprintln!("skipped: nothing here can draw");
         return None;
     };
@@ -75,6 +79,15 @@ fn the_preview_with_handles_and_fields() {
     window.select("ball");
     window.key(Key::Num1);
     check(&mut window, "preview");
+}
+
+#[test]
+fn what_a_set_operation_takes_away() {
+    let Some(mut window) = window_of(&common::carved_scene()) else { return };
+    let edge = window.point([0.2, 2.0, 1.0]);
+    window.click(edge);
+    assert_eq!(window.selected(), ["Sphere bite"]);
+    check(&mut window, "subtracted");
 }
 
 #[test]

@@ -121,6 +121,10 @@ impl SceneBuilder {
             };
             let Some(patch) = patch else { return };
             let patch = if pose.is_identity() { Some(patch) } else { patch.transformed(&map) };
+            let drift = match shapes.part_motion(shape, part) {
+                Some(inner) => Some(Arc::new(self.drift_of_part(pose, inner))),
+                None => drift.clone(),
+            };
             let patch = match &drift {
                 Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
                 None => patch,
@@ -139,7 +143,6 @@ impl SceneBuilder {
                 (true, false) => PatchExtent::Part,
                 (true, true) => PatchExtent::InvertedPart,
             };
-            let drift = drift.clone();
             let light = AreaLight { patch, drift, emission, varied, density, sides, extent, object, part };
             lights.push((light, group));
         });
@@ -183,8 +186,14 @@ impl SceneBuilder {
         let motion = pose.moving_in(&self.geometry.motions);
         let Some(motion) = motion else { return (DAffine3::IDENTITY, None) };
         let drift = || Arc::new(motion.since_opening());
-        let drift = motion.moves().then(|| Arc::clone(drifts.entry(pose).or_insert_with(drift)));
+        let drift = motion.is_moving_map().then(|| Arc::clone(drifts.entry(pose).or_insert_with(drift)));
         (motion.map_at(0.0), drift)
+    }
+
+    /// How a part that moves within an object has moved since the shutter opened.
+    fn drift_of_part(&self, pose: PoseId, inner: &MovingTransform) -> MovingTransform {
+        let outer = pose.moving_in(&self.geometry.motions);
+        outer.map_or_else(|| inner.since_opening(), |outer| outer.then(inner).since_opening())
     }
 
     /// The lights that integrators draw from: those of the file, emissive patches, and the background; of each frame those that rest
@@ -221,7 +230,7 @@ impl SceneBuilder {
 }
 
 /// The same map in double precision.
-fn double(m: &Affine3A) -> DAffine3 {
+pub(super) fn double(m: &Affine3A) -> DAffine3 {
     let column = |v: kajo_math::Vec3A| kajo_math::Vec3::from(v).as_dvec3();
     let matrix3 =
         DMat3::from_cols(column(m.matrix3.x_axis), column(m.matrix3.y_axis), column(m.matrix3.z_axis));

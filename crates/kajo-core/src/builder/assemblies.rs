@@ -29,7 +29,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::UnknownShape`], [`SceneError::UnknownAssembly`], [`SceneError::UnknownMaterial`],
     /// [`SceneError::NotFinite`], [`SceneError::NoInverse`], [`SceneError::UnboundedPart`],
-    /// [`SceneError::EmissivePart`], [`SceneError::TooManyLevels`], [`SceneError::TooManyObjects`].
+    /// [`SceneError::MovingPart`], [`SceneError::EmissivePart`], [`SceneError::TooManyLevels`], [`SceneError::TooManyObjects`].
     pub fn assembly(&mut self, parts: &[Part]) -> Result<AssemblyId, SceneError> {
         let mut members = Vec::with_capacity(parts.len());
         for part in parts {
@@ -81,6 +81,9 @@ impl SceneBuilder {
                 let bounds = self.geometry.shapes.bounds(shape);
                 if !bounds.is_finite() && !bounds.is_empty() {
                     return Err(SceneError::UnboundedPart);
+                }
+                if self.geometry.shapes.has_moving_parts(shape) {
+                    return Err(SceneError::MovingPart);
                 }
                 let own = self.own_materials_of(shape);
                 if own.emit {

@@ -42,7 +42,7 @@ impl EmissivePatch<'_> {
         let shapes = &builder.geometry.shapes;
         let hit = shapes.hit_at(self.shape, self.part, own);
         let first = shapes.uv_at(self.shape, &hit, own);
-        let second = shapes.second_uv_at(self.shape, &hit).unwrap_or(first);
+        let second = shapes.second_uv_at(self.shape, &hit, own).unwrap_or(first);
         let (uv, tint) = (SurfaceUv { first, second }, shapes.color_at(self.shape, &hit));
         TextureContext { p, uv, tint, ..TextureContext::default() }
     }

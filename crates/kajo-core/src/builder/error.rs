@@ -77,6 +77,9 @@ pub enum SceneError {
     /// A part of an assembly would give light: each object that does is listed, and these are too many.
     #[error("parts of an assembly cannot give light")]
     EmissivePart,
+    /// A part of an assembly moves, in whole or in part.
+    #[error("parts of an assembly cannot move")]
+    MovingPart,
     /// An assembly has parts without a material, and its instance has none for them.
     #[error("an instance of an assembly whose parts have no material needs one")]
     NoMaterial,

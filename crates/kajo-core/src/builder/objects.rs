@@ -4,13 +4,15 @@ use std::sync::Arc;
 
 use kajo_math::{DAffine3, Motion, Transform};
 
+use super::area_lights::double;
 use super::frames::Frames;
 use super::{OwnMaterials, SceneBuilder, SceneError, check_finite};
+use crate::family::Pooled;
 use crate::ids::{FrameId, MotionId, ObjectId, PoseId, TransformId};
 use crate::material::MaterialId;
 use crate::objects::Label;
 use crate::scene::{Geometry, Primitive};
-use crate::shape::{ABSENT, AnyShape, Mesh, ShapeId, Shapes};
+use crate::shape::{ABSENT, AnyShape, Csg, Mesh, ShapeId, Shapes, Surface};
 
 impl SceneBuilder {
     /// Adds a shape, which can stand in many places.
@@ -54,6 +56,11 @@ impl SceneBuilder {
         let start = world_from_object.at(0.0);
         check_finite(start.is_finite(), "Motion")?;
         Transform::new(&start).ok_or(SceneError::NoInverse)?;
+        self.add_motion(world_from_object)
+    }
+
+    /// A place for an object with parts that move within it, whether it moves itself or not.
+    pub(crate) fn add_motion(&mut self, world_from_object: Motion) -> Result<PoseId, SceneError> {
         let id = MotionId::new(self.motions.len()).ok_or(SceneError::TooMany("Motion"))?;
         self.motions.push(world_from_object);
         Ok(PoseId::moving(id))
@@ -94,9 +101,37 @@ impl SceneBuilder {
         if number >= self.limits.objects {
             return Err(SceneError::TooManyObjects(self.limits.objects));
         }
+        // So that all that asks of what moves finds it.
+        let pose = if self.geometry.shapes.has_moving_parts(shape) { self.own_motion(pose)? } else { pose };
         let kind = Shapes::type_name(shape);
         let label = self.geometry.objects.label(None, kind, number as u32);
         Ok(self.put(shape, material, pose, label, number as u32))
+    }
+
+    /// The same place as a motion that no other object has.
+    fn own_motion(&mut self, pose: PoseId) -> Result<PoseId, SceneError> {
+        let motion = match pose.still_in(&self.geometry.transforms) {
+            Some(still) => Some(Motion::still(double(&still.world_from_object))),
+            None => pose.moving_in(&self.motions).cloned(),
+        };
+        self.add_motion(motion.ok_or(SceneError::UnknownPose(pose))?)
+    }
+
+    /// Shows what has moving parts as the shutter sees it; see [`Surface::part_motion`](crate::shape::Surface::part_motion).
+    pub(super) fn expose_moving_parts(&mut self) {
+        let geometry = &mut self.geometry;
+        for csg in geometry.shapes.csgs.iter_mut().filter(|csg| csg.has_moving_parts()) {
+            *csg = csg.exposed(self.shutter);
+        }
+        for primitive in &geometry.primitives {
+            let Some(csg) = Csg::find(&geometry.shapes, primitive.shape).filter(|csg| csg.moves()) else {
+                continue;
+            };
+            debug_assert!(csg.has_moving_parts());
+            if let Some(motion) = primitive.pose.moving_in_mut(&mut geometry.motions) {
+                motion.hold_moving();
+            }
+        }
     }
 
     /// Gives a name to an object, by which programs show it.

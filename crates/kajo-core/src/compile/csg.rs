@@ -1,10 +1,13 @@
 //! `Intersection`, `Difference` and `Merge`: solids made of others.
 
-use kajo_scene::{Diagnostic, Item};
+use kajo_scene::{Diagnostic, Item, Params};
 
 use super::Compiler;
+use super::blocks::MATERIAL_INDEX;
+use super::fields::Sources;
 use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::group::OBJECTS;
+use super::material_draft::Reference;
 use super::part::Part;
 use crate::material::MaterialId;
 use crate::nested::PartContent;
@@ -18,13 +21,24 @@ struct Operand<'t> {
 
 impl Compiler<'_> {
     /// Makes an object of what a set operation makes of the objects in a block.
-    pub(super) fn set_operation(
+    ///
+    /// * `read`: reads the material of all faces, where the block has one
+    pub(super) fn set_operation<'t>(
         &mut self,
-        item: Item<'_>,
+        item: Item<'t>,
         operation: SetOperation,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<Option<Reference<'t>>>,
         ctm: &mut CurrentTransform,
         state: &mut GraphicsState,
     ) {
+        let keys = self.read_keys(item, |params, sources| {
+            params.name();
+            let material = read(params, sources);
+            Some((material, params.rest()))
+        });
+        let Some((material, children)) = keys else { return };
+        let has_own = material.as_ref().is_none_or(Option::is_some);
+        let own = material.flatten().and_then(|reference| self.material(&reference));
         let mut inner = GraphicsState {
             parts: Some(Vec::new()),
             is_operand: true,
@@ -32,7 +46,13 @@ impl Compiler<'_> {
             material_failed: state.material_failed,
         };
         let mut operands = Vec::new();
-        for child in self.children(item) {
+        for child in children {
+            if has_own && child.keyword() == MATERIAL_INDEX {
+                let message = format!("this `{}` has a `material` for all its faces", item.keyword());
+                let error =
+                    Diagnostic::error(message).label(child.head_span(), "no face would have this one");
+                self.diagnostics.push(error.help("leave out `material`, or `MaterialIndex`"));
+            }
             self.object(child, item.keyword(), &mut CurrentTransform::origin(), &mut inner);
             let parts = inner.parts.replace(Vec::new()).unwrap_or_default();
             if OBJECTS.contains(&child.keyword()) {
@@ -41,29 +61,37 @@ impl Compiler<'_> {
         }
         // As after a group, the material stays in force.
         (state.material, state.material_failed) = (inner.material, inner.material_failed);
-        let solid = self.solid_of(item, operation, &operands);
-        let shape = solid.and_then(|(solid, _)| self.shape(item, solid));
-        self.put_shape(shape, item, ctm, state);
+        let solid = self.solid_of(item, operation, has_own, &operands);
+        let shape = solid.and_then(|solid| self.shape(item, solid));
+        if has_own {
+            self.put_made_of(own, shape, item, ctm, state);
+        } else {
+            self.put_shape(shape, item, ctm, state);
+        }
     }
 
-    /// The solid, and the material that all of it has if that is one; why there is none is reported.
+    /// The solid; why there is none is reported.
+    ///
+    /// * `has_own`: whether it has one material, whatever its operands have
     fn solid_of(
         &mut self,
         item: Item<'_>,
         operation: SetOperation,
+        has_own: bool,
         operands: &[Operand<'_>],
-    ) -> Option<(Csg, Option<MaterialId>)> {
+    ) -> Option<Csg> {
         let mut materials = operands.iter().flat_map(|operand| &operand.parts).map(|part| part.material);
         let first = materials.next().flatten();
-        let common = first.filter(|_| materials.all(|material| material == first));
+        let is_even = has_own || (first.is_some() && materials.all(|material| material == first));
         let solids: Option<Vec<Vec<SolidPart>>> = operands
             .iter()
             .map(|operand| {
-                operand.parts.iter().map(|part| self.solid_part(operand.item, part, common)).collect()
+                operand.parts.iter().map(|part| self.solid_part(operand.item, part, is_even)).collect()
             })
             .collect();
         let error = match Csg::new(operation, &solids?) {
-            Ok(solid) => return Some((solid, common)),
+            Ok(solid) if has_own => return Some(solid.of_one_material()),
+            Ok(solid) => return Some(solid),
             Err(error) => error,
         };
         let (place, message) = match error {
@@ -79,25 +107,23 @@ impl Compiler<'_> {
         None
     }
 
-    fn solid_part(&mut self, item: Item<'_>, part: &Part, common: Option<MaterialId>) -> Option<SolidPart> {
-        let refuse = |compiler: &mut Self, message: &str, label: &str| {
-            compiler.diagnostics.push(Diagnostic::error(message).label(item.head_span(), label));
-        };
+    /// * `is_even`: whether the result has the same material everywhere, and names none by its parts
+    fn solid_part(&mut self, item: Item<'_>, part: &Part, is_even: bool) -> Option<SolidPart> {
         let PartContent::Shape(shape) = part.content else {
-            refuse(self, "an operand has too many parts to be one", "more than are kept one by one");
+            let error = Diagnostic::error("an operand has too many parts to be one");
+            self.diagnostics.push(error.label(item.head_span(), "more than are kept one by one"));
             return None;
         };
-        let Some(&map) = part.map.constant() else {
-            let message = "an operand cannot move by itself; the block around it can";
-            refuse(self, message, "moves while the shutter is open");
-            return None;
-        };
-        let own = part.material.filter(|_| common.is_none());
+        let own = part.material.filter(|_| !is_even);
         let material = match own {
             Some(material) => Some(self.slot_of(material, item)?),
             None => None,
         };
-        Some(SolidPart { shape: self.scene.geometry().shapes.any(shape), map, material })
+        let shape = self.scene.geometry().shapes.any(shape);
+        // What is described elsewhere is known by what puts it here.
+        let (described, here) = (part.label.item(), item.index()..item.next_index());
+        let source = if here.contains(&described) { described } else { item.index() };
+        Some(SolidPart { shape, map: part.map.clone(), material, source })
     }
 
     /// The number by which shapes name a material.

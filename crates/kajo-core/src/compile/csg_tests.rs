@@ -38,6 +38,10 @@ fn report(group: &str) -> String {
 
 const RED: [f32; 3] = [1.0, 0.0, 0.0];
 const GREEN: [f32; 3] = [0.0, 1.0, 0.0];
+const BLUE: [f32; 3] = [0.0, 0.0, 1.0];
+
+/// With a corner towards the viewer, of a material of its own.
+const TETRAHEDRON: &str = "mtllib cube.mtl\nusemtl own\nv -1 -1 0\nv 1 -1 0\nv -1 1 0\nv -1 -1 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
 #[test]
 fn faces_keep_the_materials_of_their_operands() {
@@ -55,6 +59,57 @@ fn faces_keep_the_materials_of_their_operands() {
     assert_eq!(look(&scene, 0.0, 0.0), Some((0.5, GREEN)));
     assert_eq!(look(&scene, 0.8, 0.8), Some((0.9, GREEN)));
     assert_eq!(look(&scene, -0.8, 0.8), Some((1.0, GREEN)));
+}
+
+/// What a block says of its material holds for all of its faces, whatever brings another one.
+#[test]
+fn a_material_of_the_block_holds_for_all_its_faces() {
+    let cube = "Box { min -1 -1 -1 max 1 1 1 }";
+    let hole = "MaterialIndex blue Sphere { center 0 0 1 radius 0.5 }";
+    let blue = HEAD.replace("Materials {", "Materials { Material blue { diffuseColor 0 0 1 }");
+    let of = |group: &str| scene(&format!("{blue}Group {{ {group} }}"));
+    let both =
+        |scene: &Scene| [look(scene, 0.8, 0.8), look(scene, 0.0, 0.0)].map(|seen| seen.map(|(_, c)| c));
+    let without = of(&format!("MaterialIndex red Difference {{ {cube} {hole} }}"));
+    assert_eq!(both(&without), [Some(RED), Some(BLUE)]);
+    // No other material is needed then, and what comes after the block has none of it.
+    let held = format!("Group {{ {cube} }} Group {{ {hole} }}");
+    let beside = "Sphere { center 5 0 0 radius 0.1 }";
+    let own = of(&format!("Difference {{ material green {held} }} {beside}"));
+    assert_eq!(both(&own), [Some(GREEN), Some(GREEN)]);
+    assert_eq!(own.geometry.primitives.len(), 2);
+    // The material that is in force behind it is that of the last `MaterialIndex`, as always.
+    let last = own.geometry.primitives[1].material;
+    assert_eq!(last, own.appearance.list[0].0);
+    // An operand's is one of several, and gives way to that of a block around it.
+    let inner = format!("Merge {{ material green {held} }}");
+    let ball = "Sphere { center 0 0 1.2 radius 0.5 }";
+    let around = of(&format!("Difference {{ {inner} MaterialIndex red {ball} }}"));
+    assert_eq!(both(&around), [Some(GREEN), Some(RED)]);
+    let outer = of(&format!("MaterialIndex red Difference {{ material 0 {inner} {ball} }}"));
+    assert_eq!(both(&outer), [Some(BLUE), Some(BLUE)]);
+    // Meshes that bring materials of their own are no exception.
+    let assets = MemoryAssets::new().with("cube.obj", TETRAHEDRON).with("cube.mtl", "newmtl own\nKd 1 1 0\n");
+    let with_mesh = |material: &str| {
+        let mesh = "TriangleMesh { file cube.obj  materials on }";
+        let text = format!("{blue}Group {{ MaterialIndex red Merge {{ {material} {mesh} {ball} }} }}");
+        let mut parsed = SceneDesc::parse_str(&text);
+        let mut said = parsed.diagnostics;
+        let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut said);
+        look(&scene.unwrap_or_else(|| panic!("{said:?}")), -0.5, -0.5).map(|(_, color)| color)
+    };
+    assert_eq!(with_mesh(""), Some([1.0, 1.0, 0.0]));
+    assert_eq!(with_mesh("material green"), Some(GREEN));
+}
+
+#[test]
+fn materials_that_contradict_each_other_are_refused() {
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let said = report(&format!("Difference {{ material green MaterialIndex red {ball} }}"));
+    assert!(said.contains("has a `material` for all its faces") && said.contains("leave out"), "{said}");
+    let said = report(&format!("Merge {{ material grene {ball} }}"));
+    assert!(said.contains("grene") && said.contains("did you mean `green`"), "{said}");
+    assert!(report(&format!("Union {{ material green {ball} }}")).contains("`material`"));
 }
 
 #[test]
@@ -90,8 +145,20 @@ fn a_solid_moves_as_a_whole() {
     let text = format!("Transform {{ {moving} Difference {{ {ball} {hole} }} }}");
     let scene = of(&text);
     assert!(scene.moves());
-    let said = report(&format!("Difference {{ {ball} Transform {{ {moving} {hole} }} }}"));
-    assert!(said.contains("an operand cannot move by itself"), "{said}");
+}
+
+#[test]
+fn what_cannot_hold_moving_operands_says_so() {
+    let moving = "Motion { key 0 { } key 1 { Translate 4 0 0 } }";
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let carved = format!("Difference {{ {ball} Transform {{ {moving} {ball} }} }}");
+    let said = report(&format!("Lorentz {{ velocity 0.5 0 0 {carved} }}"));
+    assert!(said.contains("cannot be moved by a `Motion` as well"), "{said}");
+    let scene = of(&format!("Merge {{ {carved} {ball} }} {ball}"));
+    assert!(scene.moves() && scene.geometry.motions.len() == 1);
+    // A motion that is over before the shutter opens is none.
+    let later = carved.replace("key 0 { } key 1", "key -3 { } key -2");
+    assert!(!of(&later).moves());
 }
 
 #[test]

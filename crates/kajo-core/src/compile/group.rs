@@ -15,6 +15,7 @@ use crate::ids::PoseId;
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::nested::PartContent;
+use crate::schema::{Block, Kind};
 use crate::shape::{AnyShape, ShapeId};
 
 /// The word that describes objects which are placed elsewhere.
@@ -75,7 +76,9 @@ impl Compiler<'_> {
             }
             word if LATER.contains(&word) => self.diagnostics.push(not_supported_yet(item)),
             _ => {
-                let allowed = OBJECTS.into_iter().chain([DEFINE, MATERIAL_INDEX, "numObjects"]);
+                let of_parent = blocks::block_of(parent).filter(|block| block.kind == Kind::Group);
+                let keys = of_parent.into_iter().flat_map(Block::fields).map(|field| field.key);
+                let allowed = OBJECTS.into_iter().chain([DEFINE, MATERIAL_INDEX, "numObjects"]).chain(keys);
                 let error = misplaced(item, Some("Group"));
                 let error = error.unwrap_or_else(|| unknown_word(item, Some(parent), allowed));
                 self.diagnostics.push(error);
@@ -191,11 +194,38 @@ impl Compiler<'_> {
         ctm: &mut CurrentTransform,
         state: &mut GraphicsState,
     ) {
-        let keyword = OBJECTS.into_iter().find(|word| *word == item.keyword());
-        let (Some(shape), Some(keyword)) = (shape, keyword) else {
-            self.material_for(item, state);
-            return;
-        };
+        match shape {
+            Some(shape) => self.put_one(shape, None, item, ctm, state),
+            None => {
+                self.material_for(item, state);
+            }
+        }
+    }
+
+    /// The same for a shape with a material of its own; `None` for one that there is not, which was reported.
+    pub(super) fn put_made_of(
+        &mut self,
+        material: Option<MaterialId>,
+        shape: Option<ShapeId>,
+        item: Item<'_>,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
+        if let (Some(material), Some(shape)) = (material, shape) {
+            self.put_one(shape, Some(material), item, ctm, state);
+        }
+    }
+
+    /// * `material`: its own, if it has one
+    fn put_one(
+        &mut self,
+        shape: ShapeId,
+        material: Option<MaterialId>,
+        item: Item<'_>,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
+        let Some(keyword) = OBJECTS.into_iter().find(|word| *word == item.keyword()) else { return };
         if !self.has_memory(BYTES_PER_OBJECT, item.head_span()) {
             return;
         }
@@ -203,7 +233,7 @@ impl Compiler<'_> {
         let part = Part {
             content: PartContent::Shape(shape),
             map: Motion::still(DAffine3::IDENTITY),
-            material: None,
+            material,
             label: self.scene.label(name, keyword, item.index()),
         };
         self.put(&part, item, ctm, state);
@@ -233,11 +263,13 @@ impl Compiler<'_> {
                 return self.place_assembly(number, part.material, by, ctm, state);
             }
         };
-        if !self.may_rest(ctm, by) {
+        let has_moving_parts = self.scene.geometry().shapes.has_moving_parts(shape);
+        if !self.may_rest(ctm, has_moving_parts, by) {
             return;
         }
         let material = part.material.or_else(|| self.material_for(by, state));
-        let (Some(material), Some(pose)) = (material, self.pose(ctm, by)) else { return };
+        let pose = if has_moving_parts { self.own_pose(ctm, by) } else { self.pose(ctm, by) };
+        let (Some(material), Some(pose)) = (material, pose) else { return };
         let material = self.see_through(part.content, material);
         self.check_filled(part.content, material, ctm, by);
         self.scene.put(shape, material, pose, part.label, by.index());
@@ -254,7 +286,7 @@ impl Compiler<'_> {
         let PartContent::Shape(shape) = content else { return };
         let (appearance, shapes) = (self.scene.appearance(), &self.scene.geometry().shapes);
         let bends = appearance.bends_light(material);
-        if bends && ctm.world.constant().is_none() {
+        if bends && (ctm.world.constant().is_none() || shapes.has_moving_parts(shape)) {
             let error = Diagnostic::error("a body that bends light does not move");
             let error = error.label(by.keyword_span(), "moves while the shutter is open");
             self.diagnostics
@@ -310,6 +342,15 @@ impl Compiler<'_> {
         };
         ctm.pose = Some(pose);
         Some(pose)
+    }
+
+    /// The pose of a place for one object alone, of which parts move.
+    fn own_pose(&mut self, ctm: &CurrentTransform, by: Item<'_>) -> Option<PoseId> {
+        ctm.transform?;
+        if !self.has_memory(size_of::<MovingTransform>(), by.head_span()) {
+            return None;
+        }
+        self.scene.add_motion(ctm.world.clone()).ok()
     }
 
     /// The items in a block; an item without a block is reported.

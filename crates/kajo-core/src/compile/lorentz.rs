@@ -119,9 +119,11 @@ impl Compiler<'_> {
         self.scene.rest().frame != FrameId::WORLD
     }
 
-    /// Whether an object can stand by this transform, which does not move within a `Lorentz` block; if not, that is reported.
-    pub(super) fn may_rest(&mut self, ctm: &CurrentTransform, by: Item<'_>) -> bool {
-        if !self.is_moving() || ctm.world.constant().is_some() {
+    /// Whether an object can stand at a place, which does not move within a `Lorentz` block; if not, that is reported.
+    ///
+    /// * `has_moving_parts`: whether it moves in part
+    pub(super) fn may_rest(&mut self, ctm: &CurrentTransform, has_moving_parts: bool, by: Item<'_>) -> bool {
+        if !self.is_moving() || (ctm.world.constant().is_some() && !has_moving_parts) {
             return true;
         }
         let message = "what a `Lorentz` holds rests in it, and cannot be moved by a `Motion` as well";

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use kajo_scene::{Args, Diagnostic, Span};
 
 use super::extras::Extras;
+use super::fields::{Plain, Sources, Typed};
 use crate::material::MaterialId;
 use crate::schema::{FieldKind, FieldSpec};
 use crate::texture::FloatTexture;
@@ -38,6 +39,17 @@ pub(super) struct BlendDraft<'t> {
 pub(super) enum Reference<'t> {
     Number(usize, Span),
     Name(Cow<'t, str>, Span),
+}
+
+/// A field that names a material.
+pub(super) const fn named_material<'t>(key: &'static str) -> Typed<Reference<'t>> {
+    Typed::new(key, FieldKind::Material)
+}
+
+impl<'t> Plain<'t> for Reference<'t> {
+    fn parse(_: &FieldSpec, args: &mut Args<'t>, _: &mut Sources<'_>) -> Result<Reference<'t>, Diagnostic> {
+        Reference::read(args)
+    }
 }
 
 impl<'t> Reference<'t> {

@@ -8,6 +8,7 @@ mod aim;
 mod animation;
 mod background;
 mod black_holes;
+mod blobs;
 mod blocks;
 mod camera;
 mod camera_keys;
@@ -374,7 +375,11 @@ impl<'a> Compiler<'a> {
 #[cfg(test)]
 mod animation_tests;
 #[cfg(test)]
+mod blob_tests;
+#[cfg(test)]
 mod camera_tests;
+#[cfg(test)]
+mod csg_motion_tests;
 #[cfg(test)]
 mod csg_tests;
 #[cfg(test)]

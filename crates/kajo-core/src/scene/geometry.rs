@@ -216,8 +216,28 @@ impl Geometry {
         }
         match self.motion_of(at.object) {
             None => at.point.p,
-            Some(motion) => motion.painted(at.point.p, at.time),
+            Some(motion) => match self.part_motion(motion, at) {
+                None => motion.painted(at.point.p, at.time),
+                Some(inner) => motion.painted_part(inner, at.point.p, at.time),
+            },
         }
+    }
+
+    /// How what was met moves within its object, which moves by `motion`.
+    #[inline]
+    fn part_motion(&self, motion: &MovingTransform, at: &Interaction) -> Option<&MovingTransform> {
+        if !motion.holds_moving() {
+            return None;
+        }
+        let shape = self.primitives.get(at.object.index())?.shape;
+        self.shapes.part_motion(shape, at.hit.part)
+    }
+
+    /// Where a point of a part of a shape was when the shutter opened, in the shape's space.
+    ///
+    /// * `p`: where it is at a ray's time
+    pub(crate) fn at_opening(&self, (shape, part): (ShapeId, u32), p: Vec3, time: f32) -> Vec3 {
+        self.shapes.part_motion(shape, part).map_or(p, |motion| motion.carried(p, [time, 0.0]))
     }
 
     /// The colour of the corners around an interaction with a mesh that has some.
@@ -233,28 +253,41 @@ impl Geometry {
             None => at.point.p,
             Some(motion) => {
                 let own = motion.at(at.time).object_from_world.transform_point3(at.point.p);
-                motion.at(time).point(own)
+                let inner = self.part_motion(motion, at);
+                motion.at(time).point(inner.map_or(own, |inner| inner.carried(own, [at.time, time])))
             }
         }
     }
 
     /// What the surface says of the place of an interaction.
     pub(crate) fn surface_uv(&self, at: &Interaction) -> SurfaceUv {
-        let uv = self.uv(at);
-        let second = self.shape(at.object).and_then(|shape| self.shapes.second_uv_at(shape, &at.hit));
-        SurfaceUv { first: uv, second: second.unwrap_or(uv) }
+        let Some((shape, p)) = self.own_point(at) else { return SurfaceUv::default() };
+        let first = self.shapes.uv_at(shape, &at.hit, p);
+        let second = self.shapes.second_uv_at(shape, &at.hit, p);
+        SurfaceUv { first, second: second.unwrap_or(first) }
     }
 
     /// Surface coordinates at an interaction.
     pub fn uv(&self, at: &Interaction) -> Vec2 {
+        self.own_point(at).map_or(Vec2::ZERO, |(shape, p)| self.shapes.uv_at(shape, &at.hit, p))
+    }
+
+    /// The shape of an interaction, and the point in its space; of a part that moves within it when the shutter opens.
+    #[inline]
+    fn own_point(&self, at: &Interaction) -> Option<(ShapeId, Vec3)> {
         let own = |map: &Transform| map.object_from_world.transform_point3(at.point.p);
         match self.primitives.get(at.object.index()) {
             Some(&Primitive { shape, pose, .. }) => {
-                self.shapes.uv_at(shape, &at.hit, self.transform_at(pose, at.time, own))
+                let p = match pose.still_in(&self.transforms) {
+                    Some(map) => own(map),
+                    None => rarely(|| {
+                        let p = self.transform_at(pose, at.time, own);
+                        self.at_opening((shape, at.hit.part), p, at.time)
+                    }),
+                };
+                Some((shape, p))
             }
-            None => self.leaf(at.object).map_or(Vec2::ZERO, |leaf| {
-                self.shapes.uv_at(leaf.shape, &at.hit, own(&leaf.world_from_object()))
-            }),
+            None => self.leaf(at.object).map(|leaf| (leaf.shape, own(&leaf.world_from_object()))),
         }
     }
 
@@ -285,7 +318,7 @@ impl Geometry {
     /// Boxes of a moving primitive at the ends of a part of the shutter's interval; empty for any other, and for
     /// unbounded ones.
     pub(crate) fn moving_bounds(&self, primitive: &Primitive, part: [f64; 2]) -> [Aabb; 2] {
-        let bounds = self.shapes.bounds(primitive.shape);
+        let bounds = self.shapes.bounds_during(primitive.shape, part);
         match self.motion(primitive.pose) {
             Some(motion) if motion.moves() && bounds.is_finite() => motion.bounds(&bounds, part),
             _ => [Aabb::EMPTY; 2],
@@ -299,12 +332,28 @@ impl Geometry {
             self.shapes.tangents_at(shape, &at.hit, own).transformed(map)
         };
         match self.primitives.get(at.object.index()) {
-            Some(&Primitive { shape, pose, .. }) => self.transform_at(pose, at.time, |map| of(shape, map)),
+            Some(&Primitive { shape, pose, .. }) => match pose.still_in(&self.transforms) {
+                Some(map) => of(shape, map),
+                None => rarely(|| self.moving_tangents(at, shape, pose)),
+            },
             None => {
                 let leaf = self.leaf(at.object);
                 leaf.map_or_else(Tangents::default, |leaf| of(leaf.shape, &leaf.world_from_object()))
             }
         }
+    }
+
+    /// The same of something that has a motion.
+    fn moving_tangents(&self, at: &Interaction, shape: ShapeId, pose: PoseId) -> Tangents {
+        self.transform_at(pose, at.time, |map| {
+            let own = map.object_from_world.transform_point3(at.point.p);
+            let opening = self.at_opening((shape, at.hit.part), own, at.time);
+            let tangents = self.shapes.tangents_at(shape, &at.hit, opening);
+            let inner = self.shapes.part_motion(shape, at.hit.part);
+            inner
+                .map_or(tangents, |inner| tangents.transformed(&inner.between([0.0, at.time])))
+                .transformed(map)
+        })
     }
 
     /// A box around everything that has bounds, at any time while the shutter is open.

@@ -227,7 +227,7 @@ impl Surface for Mesh {
         self.corner_uvs(hit).map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
     }
 
-    fn second_uv_at(&self, hit: &Hit) -> Option<Vec2> {
+    fn second_uv_at(&self, hit: &Hit, _p: Vec3) -> Option<Vec2> {
         self.0.attributes.as_ref()?.second_uv(self.0.faces[hit.part as usize], hit)
     }
 

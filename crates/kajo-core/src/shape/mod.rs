@@ -39,7 +39,7 @@ mod vertex_attributes;
 pub use bezier::{Bezier, ControlPoint, Path};
 pub use bicubic_patch::BicubicPatch;
 pub use bilinear_patch::BilinearPatch;
-pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel};
+pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel, MOST_MATERIALS};
 pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;
@@ -71,6 +71,7 @@ use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3, Vec4, robust::gamma};
 
 use crate::family::family;
 use crate::interaction::{Hit, SurfacePoint, Tangents, test_error};
+use crate::motion::MovingTransform;
 
 /// What every shape can do. All in object space.
 pub trait Surface: Sized {
@@ -95,6 +96,24 @@ pub trait Surface: Sized {
     /// Position and normals at a hit of this shape by this ray.
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
 
+    /// How a part moves within the shape while the shutter is open: the map from where it is described. `None` for what keeps its
+    /// shape, as almost everything does.
+    ///
+    /// Points and tangents of a moving part, but for those of rays, are taken and given as they are when the shutter opens.
+    fn part_motion(&self, _part: u32) -> Option<&MovingTransform> {
+        None
+    }
+
+    /// Whether there are parts with a [`Surface::part_motion`] if the shutter is open when they move.
+    fn has_moving_parts(&self) -> bool {
+        false
+    }
+
+    /// A box that holds the shape in a part of the shutter's interval, given by its ends in [0, 1].
+    fn bounds_during(&self, _part: [f64; 2]) -> Aabb {
+        self.bounds()
+    }
+
     /// What [`Surface::hit`] would have said of a point `p` of a part, but for the ray's parameter.
     fn hit_at(&self, part: u32, _p: Vec3) -> Hit {
         Hit { part, ..Hit::default() }
@@ -104,7 +123,7 @@ pub trait Surface: Sized {
     fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2;
 
     /// A second set of texture coordinates, if there is one.
-    fn second_uv_at(&self, _hit: &Hit) -> Option<Vec2> {
+    fn second_uv_at(&self, _hit: &Hit, _p: Vec3) -> Option<Vec2> {
         None
     }
 
@@ -139,8 +158,10 @@ pub trait Surface: Sized {
         false
     }
 
-    /// Whether a point of the patches of a part is one of the surface.
-    fn shows(&self, _part: u32, _p: Vec3) -> bool {
+    /// Whether a point of the patches of a part is one of the surface at a ray's time.
+    ///
+    /// * `_p`: where the point is at that time
+    fn shows(&self, _part: u32, _p: Vec3, _time: f32) -> bool {
         true
     }
 
@@ -219,12 +240,18 @@ family! {
         fn crossings(ray: &Ray, visit: &mut dyn FnMut(Hit));
         /// See [`Surface::surface_at`].
         fn surface_at(ray: &Ray, hit: &Hit) -> SurfacePoint;
+        /// See [`Surface::part_motion`].
+        fn part_motion(part: u32) -> Option<&MovingTransform>;
+        /// See [`Surface::has_moving_parts`].
+        fn has_moving_parts() -> bool;
+        /// See [`Surface::bounds_during`].
+        fn bounds_during(part: [f64; 2]) -> Aabb;
         /// See [`Surface::hit_at`].
         fn hit_at(part: u32, p: Vec3) -> Hit;
         /// See [`Surface::uv_at`].
         fn uv_at(hit: &Hit, p: Vec3) -> Vec2;
         /// See [`Surface::second_uv_at`].
-        fn second_uv_at(hit: &Hit) -> Option<Vec2>;
+        fn second_uv_at(hit: &Hit, p: Vec3) -> Option<Vec2>;
         /// See [`Surface::color_at`].
         fn color_at(hit: &Hit) -> Option<Vec4>;
         /// See [`Surface::tangents_at`].
@@ -240,7 +267,7 @@ family! {
         /// See [`Surface::is_partial`].
         fn is_partial() -> bool;
         /// See [`Surface::shows`].
-        fn shows(part: u32, p: Vec3) -> bool;
+        fn shows(part: u32, p: Vec3, time: f32) -> bool;
         /// See [`Surface::is_inverted`].
         fn is_inverted(part: u32) -> bool;
         /// See [`Surface::patches`].

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use kajo_bvh::BuildSettings;
-use kajo_math::{DVec2, rng::Stream, warp};
+use kajo_math::{DVec2, Motion, rng::Stream, warp};
 
 use super::*;
 use crate::interaction::RayOffset;
@@ -83,9 +83,10 @@ fn blob() -> Blob {
         core: BlobCore::Ball(DVec3::new(x, 0.2 * x, -0.1)),
         radius: 0.6,
         strength,
+        material: 0,
     };
     let rod = BlobCore::Cylinder([DVec3::new(-0.3, -0.5, 0.0), DVec3::new(0.2, 0.5, 0.3)]);
-    let rod = BlobComponent { core: rod, radius: 0.4, strength: 0.7 };
+    let rod = BlobComponent { core: rod, radius: 0.4, strength: 0.7, material: 0 };
     Blob::new(BlobKernel::Gaussian, 0.5, &[ball(-0.4, 1.0), ball(0.5, 1.2), ball(0.0, -0.4), rod]).unwrap()
 }
 
@@ -191,7 +192,8 @@ fn carved(operation: SetOperation) -> Csg {
     let map = kajo_math::DAffine3::from_translation(DVec3::new(0.4, 0.3, 0.2))
         * kajo_math::DAffine3::from_rotation_z(0.4)
         * kajo_math::DAffine3::from_scale(DVec3::new(1.0, 0.8, 1.2));
-    let part = |shape: AnyShape, map| vec![SolidPart { shape, map, material: None }];
+    let part =
+        |shape: AnyShape, map| vec![SolidPart { shape, map: Motion::still(map), material: None, source: 0 }];
     let still = kajo_math::DAffine3::IDENTITY;
     let cuboid = Cuboid::new(Vec3::new(-0.6, -0.7, -0.5), Vec3::new(0.5, 0.4, 0.6));
     let operands = [

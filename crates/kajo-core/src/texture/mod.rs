@@ -22,6 +22,7 @@ mod placed;
 mod ramp;
 mod rgb;
 mod slope;
+mod surface_share;
 mod value;
 mod vertex_color;
 mod wood;
@@ -43,6 +44,7 @@ pub use picture::{Encoding, Picture, PictureMap, TexelFilter, TextureDetail, Wra
 pub use placed::Placed;
 pub use ramp::{Colors, Curve, Cycle, Grey, Lightness, Ramp};
 pub use slope::TextureSlope;
+pub use surface_share::SurfaceShare;
 pub use value::{AnyTexture, ColorTexture, FloatTexture, TextureEvaluator};
 pub use vertex_color::{VertexColor, VertexOpacity};
 pub use wood::Wood;
@@ -131,6 +133,7 @@ family! {
         patterns: PatternNode,
         placed: Placed,
         remapped: Remapped,
+        surface_shares: SurfaceShare,
         vertex_opacities: VertexOpacity,
         woods: Wood,
     }

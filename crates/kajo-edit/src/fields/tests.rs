@@ -24,8 +24,10 @@ fn scene_with(block: &Block, text: &str) -> String {
             let ball = "Sphere { center 0 0 0  radius 1 }";
             format!("{camera} {materials} Group {{ MaterialIndex 0 Transform {{ {moving} {ball} }} }}")
         }
-        Kind::Part if ["sphere", "cylinder"].contains(&block.keyword) => {
-            format!("{camera} {materials} Group {{ MaterialIndex 0 Blob {{ {text} }} }}")
+        Kind::Part if ["sphere", "cylinder", "plane"].contains(&block.keyword) => {
+            let materials = "Materials { Matte { } Matte { } Matte { } }";
+            let other = "sphere { center 9 9 9  radius 1  material 1 }";
+            format!("{camera} {materials} Group {{ MaterialIndex 2 Blob {{ {other} {text} }} }}")
         }
         Kind::Part if block.keyword == "profile" => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Lathe {{ {text} }} }}")
@@ -49,6 +51,9 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Material => format!("{camera} Materials {{ Matte {{ }} {text} }}"),
         Kind::Shape | Kind::Instance | Kind::Transform => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Define thing {{ }} {text} }}")
+        }
+        Kind::Group if block.fields().next().is_some() => {
+            format!("{camera} {materials} Group {{ MaterialIndex 0 {text} }}")
         }
         Kind::Group | Kind::Define | Kind::Lights | Kind::Materials | Kind::Textures | Kind::Media => {
             format!("{camera} {text}")
@@ -113,6 +118,7 @@ fn needed(block: &Block) -> String {
             };
             needed + aim + opening
         }
+        Kind::Group => needed + "Sphere { center 0 0 0  radius 1 } ",
         _ if block.keyword == "Lathe" => needed + "profile { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
         Kind::Medium if block.keyword == "GridMedium" => needed + "size 2 1 1  values 0 1  density 1 ",
@@ -148,6 +154,7 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
             "Noise",
             "sphere",
             "cylinder",
+            "plane",
             "outline",
             "profile",
             "path",
@@ -159,6 +166,11 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
             within.contains(&key) || blocks().any(|other| other.keyword == key && other.kind == Kind::Medium)
         };
         there.retain(|key| !is_block(key));
+        // What holds objects may hold any.
+        if block.kind == Kind::Group {
+            there.retain(|key| !["MaterialIndex", "numObjects"].contains(&&**key));
+            there.retain(|key| blocks().all(|other| other.keyword != key));
+        }
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {
             there.insert("obj_file".to_owned());

@@ -33,6 +33,7 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "Lathe") => gather.lathe(),
         (Kind::Shape, "Curves") => gather.strands(),
         (Kind::Part, "strand") => gather.strand(),
+        (Kind::Part, keyword @ ("sphere" | "cylinder" | "plane")) => gather.by_fields(keyword),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
         (Kind::Shape, keyword) => gather.by_fields(keyword),

@@ -274,6 +274,33 @@ fn values_snap_while_a_key_is_held() {
     assert!(degrees != 0.0 && degrees % 15.0 == 0.0, "{degrees}");
 }
 
+/// Components of a blob have the handles of their fields.
+#[test]
+fn components_of_blobs_have_handles() {
+    let text = "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 } Materials { Matte { } }
+        Group { MaterialIndex 0  Transform { Translate 1 0 0  Blob { sphere { center 0 0.5 0  radius 0.5 }
+        cylinder { base 0 0 0  top 1 0.5 0  radius 0.3 }  plane { point 0 -1 0  normal 0 1 0  radius 0.2 } } } }";
+    let mut document = Document::untitled(Path::new("."), text, LoadOptions::default()).unwrap();
+    document.compile();
+    let pose = CameraPose::of(document.scene().unwrap());
+    let eye = Eye { pose: &pose, size: [640, 480] };
+    let find = |document: &Document, keyword: &str| {
+        document.outline().nodes().iter().find(|node| &*node.keyword == keyword).unwrap().id
+    };
+    for (keyword, count) in [("sphere", 2), ("cylinder", 3), ("plane", 3)] {
+        assert_eq!(handles_of(&document, find(&document, keyword), &eye).len(), count, "{keyword}");
+    }
+    let center = &handles_of(&document, find(&document, "sphere"), &eye)[0];
+    let from = eye.project(center.at).unwrap();
+    let by = DVec2::new(20.0, -10.0);
+    let dragged = center.drag(&eye, from, from + by, &Snap::default()).unwrap();
+    document.begin_gesture("drag");
+    document.apply(&dragged.edit).unwrap();
+    document.end_gesture();
+    let moved = &handles_of(&document, find(&document, "sphere"), &eye)[0];
+    assert!((eye.project(moved.at).unwrap() - from - by).length() < 0.5, "{}", document.text());
+}
+
 #[test]
 fn handles_are_picked_where_they_are_seen() {
     let document = document();

@@ -1,11 +1,13 @@
-//! Lights and the camera as wires.
+//! Lights, the camera, and what set operations take away, as wires.
 
+use std::collections::HashMap;
 use std::f32::consts::TAU;
 
 use kajo_color::Spectrum;
-use kajo_core::Pooled;
 use kajo_core::light::{DirectionalLight, LightId, PointLight, SpotLight};
 use kajo_core::scene::Scene;
+use kajo_core::shape::{Csg, Tessellation};
+use kajo_core::{ObjectId, Pooled};
 use kajo_math::{Aabb, DVec2, Frame, Vec3, fmath};
 
 use kajo::CameraPose;
@@ -18,6 +20,15 @@ const FRUSTUM: f32 = 0.08;
 /// Segments of a circle.
 const AROUND: u32 = 24;
 
+/// Segments around what is taken away.
+const AROUND_SUBTRACTED: u32 = 24;
+
+/// Lines of what is taken away beyond which no more are drawn.
+const MOST_SUBTRACTED: usize = 30_000;
+
+/// Faces that are less inclined to each other than by this cosine show no edge.
+const EVEN: f32 = 0.995;
+
 /// Lights beyond which no more are drawn.
 const MOST_LIGHTS: usize = 1000;
 
@@ -28,6 +39,18 @@ pub enum LineKind {
     Light(u32),
     /// The scene's own camera.
     Camera,
+    /// What a set operation takes away: the number of its item among those of the text.
+    Subtracted(u32),
+}
+
+impl LineKind {
+    /// The item of what is taken away, if it is that.
+    pub fn subtracted(self) -> Option<u32> {
+        match self {
+            LineKind::Subtracted(item) => Some(item),
+            LineKind::Light(_) | LineKind::Camera => None,
+        }
+    }
 }
 
 /// Part of a wire.
@@ -48,6 +71,7 @@ pub(super) fn of(scene: &Scene, bounds: &Aabb) -> Vec<Line> {
         wires.light(scene, number, id);
     }
     wires.camera(&CameraPose::of(scene));
+    wires.subtracted(scene);
     wires.lines
 }
 
@@ -125,6 +149,24 @@ impl Wires {
         }
     }
 
+    /// The edges of what set operations take away.
+    fn subtracted(&mut self, scene: &Scene) {
+        const GREY: [u8; 4] = [170, 170, 185, 255];
+        let most = self.lines.len() + MOST_SUBTRACTED;
+        for (index, primitive) in (0..).zip(&scene.geometry.primitives) {
+            let Some(csg) = Csg::find(&scene.geometry.shapes, primitive.shape) else { continue };
+            let Some(place) = scene.snapshot_transform(ObjectId::from_index(index), 0.0) else { continue };
+            for (item, triangles) in csg.subtracted(AROUND_SUBTRACTED) {
+                for [a, b] in edges(&triangles) {
+                    self.add(LineKind::Subtracted(item), GREY, place.point(a), place.point(b));
+                }
+                if self.lines.len() > most {
+                    return;
+                }
+            }
+        }
+    }
+
     /// The corners of what the camera sees, a little way from it.
     fn camera(&mut self, pose: &CameraPose) {
         const GREY: [u8; 4] = [190, 190, 190, 255];
@@ -149,6 +191,37 @@ impl Wires {
         self.add(LineKind::Camera, GREY, b[1], roof);
         self.add(LineKind::Camera, GREY, eye, eye + 0.5 * depth * flat.forward().as_vec3());
     }
+}
+
+/// The edges of triangles: those along which the surface turns or ends.
+fn edges(triangles: &Tessellation) -> Vec<[Vec3; 2]> {
+    /// A corner is the same whatever triangle it is of, but for rounding.
+    const GRID: f32 = 4096.0;
+    let bounds = Aabb::around(triangles.positions.iter().copied());
+    let scale = GRID / bounds.extent().max_element().max(f32::MIN_POSITIVE);
+    let corner = |i: u32| triangles.positions[i as usize];
+    let key = |p: Vec3| ((p - bounds.min) * scale).round().as_ivec3();
+    let mut found: HashMap<[[i32; 3]; 2], (Vec3, bool)> = HashMap::new();
+    let mut order = Vec::new();
+    for &[a, b, c] in &triangles.faces {
+        let [a, b, c] = [a, b, c].map(corner);
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let mut ends = [from, to].map(|p| key(p).to_array());
+            if n == Vec3::ZERO || ends[0] == ends[1] {
+                continue;
+            }
+            ends.sort_unstable();
+            match found.get_mut(&ends) {
+                Some((other, is_edge)) => *is_edge = other.dot(n) < EVEN,
+                None => {
+                    found.insert(ends, (n, true));
+                    order.push((ends, [from, to]));
+                }
+            }
+        }
+    }
+    order.into_iter().filter(|(ends, _)| found[ends].1).map(|(_, line)| line).collect()
 }
 
 /// The colour of a light, as bright as it can be.

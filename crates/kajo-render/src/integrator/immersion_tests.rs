@@ -97,7 +97,18 @@ fn the_moment_decides_where_the_camera_is() {
     let slab = "Box { min -2 -2 -4  max 2 2 -1 }";
     let moving_slab = scene(&pinhole("0 0 0", ""), &format!("Transform {{ {} {slab} }}", motion(2.0)));
     let moving_camera = scene(&pinhole("0 0 0", &motion(-2.0)), slab);
-    for scene in [moving_slab, moving_camera] {
+    // The same slab by operands that move: a box in a larger one, and half spaces within a body that rests.
+    let operand = format!(
+        "Intersection {{ Box {{ min -2 -2 -9  max 2 2 9 }} Transform {{ {} Box {{ min -3 -3 -4  max 3 3 -1 }} }} }}",
+        motion(2.0)
+    );
+    let cut = format!(
+        "Difference {{ Box {{ min -2 -2 -9  max 2 2 9 }} Transform {{ {} Plane {{ normal 0 0 1  offset -4 }} \
+         Plane {{ normal 0 0 -1  offset 1 }} }} }}",
+        motion(2.0)
+    );
+    let operands = [operand, cut].map(|solid| scene(&pinhole("0 0 0", ""), &solid));
+    for scene in [moving_slab, moving_camera].into_iter().chain(operands) {
         check(&scene, [1, 1], Vec2::splat(0.5), expected);
     }
 }

@@ -199,6 +199,8 @@ mod relief_tests;
 #[cfg(test)]
 mod same_picture;
 #[cfg(test)]
+mod solid_tests;
+#[cfg(test)]
 mod spec_tests;
 #[cfg(test)]
 mod tests;

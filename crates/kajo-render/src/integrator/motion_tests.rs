@@ -64,6 +64,36 @@ fn a_moving_bar_is_a_trapezoid_everywhere() {
     }
 }
 
+/// A hole in a slab that rests moves as a bar does, and shows what is behind it.
+#[test]
+fn a_moving_hole_is_a_trapezoid() {
+    let (w, d) = (0.6, 1.4);
+    let slab = "Difference { Box { min -3 -3 -1  max 3 3 0 }
+        Transform { Motion { key 0 { } key 1 { Translate 1.4 0 0 } } Box { min -1.4 -2 -2  max -0.8 2 1 } } }";
+    let scene = scene("", slab);
+    let layers = LayerSet::of(&[]);
+    let integrators: [(Box<dyn PixelIntegrator + '_>, f64); 2] = [
+        (Box::new(classic(&scene, layers)), 2.0),
+        (Box::new(Path::new(&scene, PathSettings::default(), SIZE, layers)), 1.0),
+    ];
+    let samples = 1 << 12;
+    let sampler = Sampler::new(SamplerKind::Sobol, samples);
+    for (integrator, light) in &integrators {
+        let mut ctx = SampleContext::new(&sampler, 5);
+        for column in 0..SIZE[0] {
+            let middle = Vec2::new(column as f32 + 0.5, 7.5);
+            let radiance = |k: u32| {
+                ctx.begin([column, 7], k);
+                f64::from(integrator.sample(&mut ctx, [column, 7], middle).radiance[0])
+            };
+            let found = (0..samples).map(radiance).sum::<f64>() / (light * f64::from(samples));
+            let x = f64::from(middle.x) / 10.0 - 2.0 + 1.4;
+            let expected = 1.0 - share((x - w) / d, x / d);
+            assert!((found - expected).abs() < 1e-3, "column {column}: {found} for {expected}");
+        }
+    }
+}
+
 /// Each row sees a trapezoid of its own: the bar has come so far when the row opens, and moves on for the rest of the time.
 #[test]
 fn rows_of_a_rolling_shutter_open_one_after_the_other() {

@@ -5,12 +5,15 @@ use kajo::probe::{DebugRay, LightSource, RayKind, Segment, debug_ray, pick};
 use kajo_edit::NodeId;
 use kajo_math::DVec2;
 
-use super::{Action, Studio};
+use super::{Action, Shown, Studio};
 use crate::raster::Line;
 
 /// Length of a normal, and of a ray that hits nothing, in sizes of the scene.
 const NORMAL: f32 = 0.04;
 const FAR: f32 = 1.5;
+
+/// How far from an edge a click is still on it, in pixels.
+const ON_EDGE: f64 = 3.0;
 
 /// The colour of normals.
 const NORMALS: [u8; 4] = [255, 90, 220, 255];
@@ -97,8 +100,16 @@ impl Studio {
     fn pick(&mut self, place: DVec2, several: bool) {
         let (Some(scene), Some(document)) = (self.scene(), &self.document) else { return };
         let seen = pick(scene, &self.camera, place, self.picture_size());
-        let node = seen.as_ref().and_then(|seen| document.node_of_object(seen.object));
-        let part = seen.as_ref().and_then(|seen| document.part_of_object(seen.object));
+        // Its edges are all that there is to see of what is taken away.
+        let edge = (self.shown == Shown::Preview)
+            .then(|| self.subtracted_at(place, self.picture_size(), ON_EDGE))
+            .flatten();
+        let taken = edge.and_then(|item| document.node_of_item(item));
+        let node = taken.or_else(|| seen.as_ref().and_then(|seen| document.node_of_object(seen.object)));
+        let part = match taken {
+            Some(_) => None,
+            None => seen.as_ref().and_then(|seen| document.part_of_object(seen.object)),
+        };
         let action = match node {
             Some(node) if several => Action::SelectToo(node),
             Some(node) if self.selection.main() == Some(node) => Action::Select(vec![part.unwrap_or(node)]),

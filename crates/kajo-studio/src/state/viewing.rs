@@ -1,12 +1,17 @@
 //! Actions that move the camera, and what the preview needs of it.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use kajo::{CameraPose, Scene};
 use kajo_edit::preview::LineKind;
+use kajo_math::{DVec2, DVec3};
 
 use super::{Action, Navigation, Studio};
 use crate::raster::{Eye, Line};
+
+/// How opaque the edges of what is taken away are.
+const DIMMED: u8 = 90;
 
 impl Studio {
     /// From where the raster preview is seen, in a picture of `size` pixels; `None` for cameras whose picture is not flat.
@@ -29,13 +34,57 @@ impl Studio {
         let is_inside = is_fitted || !self.camera.is_flat() && is_there();
         let wires = self.preview.iter().flat_map(|(_, preview)| &preview.lines);
         let wires = wires.filter(|wire| !(is_inside && wire.kind == LineKind::Camera));
-        let wires = wires.map(|wire| Line {
-            from: wire.ends[0].into(),
-            to: wire.ends[1].into(),
-            color: wire.color,
-            width: 1.5,
+        // What is taken away is dim, unless it is chosen.
+        let chosen = self.chosen_items();
+        let wires = wires.map(|wire| {
+            let [r, g, b, a] = wire.color;
+            let (opacity, width) = match wire.kind {
+                LineKind::Subtracted(item) if chosen.contains(&item) => (230, 1.5),
+                LineKind::Subtracted(_) => (DIMMED, 1.0),
+                LineKind::Light(_) | LineKind::Camera => (a, 1.5),
+            };
+            Line { from: wire.ends[0].into(), to: wire.ends[1].into(), color: [r, g, b, opacity], width }
         });
         wires.chain(self.ray_lines()).collect()
+    }
+
+    /// The items of what is taken away, in the preview, that is chosen or stands in something chosen.
+    fn chosen_items(&self) -> HashSet<u32> {
+        let (Some(document), Some((_, preview))) = (&self.document, &self.preview) else {
+            return HashSet::new();
+        };
+        let mut items: Vec<u32> = preview.lines.iter().filter_map(|line| line.kind.subtracted()).collect();
+        items.dedup();
+        let is_chosen = |&item: &u32| {
+            let mut node = document.node_of_item(item);
+            while let Some(at) = node {
+                if self.selection.has(at) {
+                    return true;
+                }
+                node = document.node(at).and_then(|node| node.parent);
+            }
+            false
+        };
+        if self.selection.nodes().is_empty() {
+            HashSet::new()
+        } else {
+            items.into_iter().filter(is_chosen).collect()
+        }
+    }
+
+    /// What is taken away from a solid and has an edge near a place of the picture; see [`LineKind::Subtracted`].
+    ///
+    /// * `reach`: how near, in pixels
+    pub(super) fn subtracted_at(&self, place: DVec2, size: [u32; 2], reach: f64) -> Option<u32> {
+        let (_, preview) = self.preview.as_ref()?;
+        let distance = |line: &kajo_edit::preview::Line| {
+            let [from, to] = line.ends.map(|end| DVec3::from_array(end.map(f64::from)));
+            let strokes = self.camera.strokes(from, to, size);
+            strokes.into_iter().map(|stroke| distance_to(place, stroke.ends)).fold(f64::INFINITY, f64::min)
+        };
+        let lines = preview.lines.iter().filter_map(|line| Some((line.kind.subtracted()?, distance(line))));
+        let nearest = lines.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.filter(|&(_, distance)| distance <= reach).map(|(item, _)| item)
     }
 
     /// Counts the places where the camera stood.
@@ -101,4 +150,12 @@ impl Studio {
         step(&mut self.navigation, &mut self.camera);
         self.is_home = false;
     }
+}
+
+/// The distance of a point from a piece of a line.
+fn distance_to(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+    let (along, w) = (b - a, p - a);
+    let length2 = along.length_squared();
+    let share = if length2 > 0.0 { (w.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    (w - share * along).length()
 }

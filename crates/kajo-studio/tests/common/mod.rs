@@ -33,6 +33,14 @@ Group {
 }
 ";
 
+/// The same, with a bite out of the box.
+pub fn carved_scene() -> String {
+    let whole = "Box crate { min 1 0 -1  max 3 2 1 }";
+    let carved = format!("Difference carved {{ {whole}  Sphere bite {{ center 1 2 1  radius 0.8 }} }}");
+    assert!(SCENE.contains(whole));
+    SCENE.replace(whole, &carved)
+}
+
 /// The window's size in points.
 pub const SIZE: Vec2 = Vec2::new(1200.0, 760.0);
 

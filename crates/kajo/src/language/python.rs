@@ -208,13 +208,19 @@ fn sentence(text: &str) -> String {
     if text.ends_with('.') { text } else { text + "." }
 }
 
-fn document(field: &FieldSpec) -> String {
+/// The argument of a field: its key, unless all blocks of its kind have an argument of that name.
+fn argument(base: &str, field: &FieldSpec) -> String {
+    let is_taken = field.key == "material" && base == "ObjectBlock";
+    if is_taken { format!("own_{}", snake(field.key)) } else { snake(field.key) }
+}
+
+fn document(base: &str, field: &FieldSpec) -> String {
     let default = match field.absent {
         Absent::Required => String::new(),
         Absent::Value(constant) => format!(" Default: {}.", FieldValue::from(constant).text()),
         _ => format!(" Default: {}.", field.absence()),
     };
-    let text = format!("{}: {} ({}).{default}", snake(field.key), field.about, field.values());
+    let text = format!("{}: {} ({}).{default}", argument(base, field), field.about, field.values());
     wrapped(&text, "            ")
 }
 
@@ -227,7 +233,7 @@ fn class(block: &Block) -> String {
         true => _ = writeln!(out, "    \"\"\"{about}\"\"\"\n"),
         false => {
             _ = writeln!(out, "    \"\"\"{about}\n\n    Args:");
-            fields.iter().for_each(|(field, _)| _ = writeln!(out, "        {}", document(field)));
+            fields.iter().for_each(|(field, _)| _ = writeln!(out, "        {}", document(base, field)));
             out.push_str("    \"\"\"\n\n");
         }
     }
@@ -237,7 +243,7 @@ fn class(block: &Block) -> String {
     }
     let named = |wanted: fn(&FieldSpec, bool) -> bool| -> String {
         let names = fields.iter().filter(|(field, several)| wanted(field, *several));
-        names.map(|(field, _)| format!("\"{}\",", snake(field.key))).collect()
+        names.map(|(field, _)| format!("\"{}\",", argument(base, field))).collect()
     };
     for (what, names) in [
         ("several", named(|_, several| several)),
@@ -247,7 +253,7 @@ fn class(block: &Block) -> String {
             _ = writeln!(out, "    {what}: ClassVar[tuple[str, ...]] = ({names})");
         }
     }
-    let other = fields.iter().map(|(field, _)| (snake(field.key), field.key));
+    let other = fields.iter().map(|(field, _)| (argument(base, field), field.key));
     let other: Vec<String> = other
         .filter(|(name, key)| camel(name) != *key)
         .map(|(name, key)| format!("\"{name}\": \"{key}\""))
@@ -262,12 +268,12 @@ fn class(block: &Block) -> String {
         let kind = type_of(field);
         let kind = if *several { format!("Sequence[{kind}]") } else { kind };
         let default = if matches!(field.absent, Absent::Required) { "" } else { " | None = None" };
-        _ = writeln!(out, "        {}: {kind}{default},", snake(field.key));
+        _ = writeln!(out, "        {}: {kind}{default},", argument(base, field));
     }
     let material = if has_material { ", material=material" } else { "" };
     _ = writeln!(out, "    ) -> None:\n        super().__init__(*children, name=name{material})");
     for (field, _) in &fields {
-        _ = writeln!(out, "        self.{0} = {0}", snake(field.key));
+        _ = writeln!(out, "        self.{0} = {0}", argument(base, field));
     }
     out
 }
@@ -381,11 +387,13 @@ fn names_of_python_are_distinct_and_free() {
     assert_eq!(classes.len(), count, "two blocks have one class");
     for block in blocks() {
         for (field, _) in fields_of(block) {
+            let name = argument(base_of(block.kind), field);
+            // Parts of blocks have no material unless it is a field of theirs.
+            let is_free = base_of(block.kind) == "PartBlock" && name == "material";
             assert!(
-                !TAKEN.contains(&field.key),
-                "{}: `{}` is an argument of all blocks",
-                block.keyword,
-                field.key
+                is_free || !TAKEN.contains(&&*name),
+                "{}: `{name}` is an argument of all blocks",
+                block.keyword
             );
             assert!(snake(field.key).chars().all(|c| c.is_ascii_alphanumeric() || c == '_'), "{}", field.key);
         }

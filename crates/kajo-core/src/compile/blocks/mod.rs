@@ -210,9 +210,10 @@ pub(super) const MEDIUM_LIST: Block = Block {
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 18] = [
+const OTHERS: [&Block; 19] = [
     &blob::SPHERE,
     &blob::CYLINDER,
+    &blob::PLANE,
     &prism::OUTLINE,
     &lathe::PROFILE,
     &sphere_sweep::PATH,

@@ -12,7 +12,12 @@ fn radius() -> f64 {
 }
 
 fn balls(centers: &[DVec3]) -> Blob {
-    let ball = |&center: &DVec3| BlobComponent { core: BlobCore::Ball(center), radius: 1.0, strength: 1.0 };
+    let ball = |&center: &DVec3| BlobComponent {
+        core: BlobCore::Ball(center),
+        radius: 1.0,
+        strength: 1.0,
+        material: 0,
+    };
     let components: Vec<BlobComponent> = centers.iter().map(ball).collect();
     Blob::new(BlobKernel::Povray, 0.25, &components).unwrap()
 }

@@ -1,4 +1,5 @@
-//! The field of a blob: kernels that fall off with the squared distance from balls and cylinders, and their bounds along rays.
+//! The field of a blob: kernels that fall off with the squared distance from balls, cylinders and half spaces, and their bounds along
+//! rays.
 
 use kajo_math::{Aabb, DVec3, fmath, roots};
 
@@ -25,6 +26,13 @@ pub enum BlobCore {
     Ball(DVec3),
     /// A line between two points.
     Cylinder([DVec3; 2]),
+    /// All points `p` with `normal . p <= offset`.
+    HalfSpace {
+        /// Unit normal, which points out of it.
+        normal: DVec3,
+        /// Distance of its plane from the origin along the normal.
+        offset: f64,
+    },
 }
 
 /// One of the things that a blob is made of.
@@ -36,7 +44,12 @@ pub struct BlobComponent {
     pub radius: f64,
     /// Value of the field at the core; negative ones take away.
     pub strength: f64,
+    /// The number of its material among those of the blob, less than [`MOST_MATERIALS`].
+    pub material: usize,
 }
+
+/// How many materials the components of a blob may have.
+pub const MOST_MATERIALS: usize = 5;
 
 impl BlobKernel {
     /// The value at `u`, without what is cut off.
@@ -71,6 +84,8 @@ pub(super) struct Term {
     farthest: f64,
     /// What is taken from it, so that it ends at zero.
     cut: f64,
+    /// See [`BlobComponent::material`].
+    pub material: usize,
 }
 
 /// A range of values.
@@ -105,12 +120,45 @@ impl Term {
         };
         let inverse2 = 1.0 / (component.radius * component.radius);
         let cut = if kernel == BlobKernel::Gaussian { kernel.value(farthest) } else { 0.0 };
-        Term { core: component.core, strength: component.strength, inverse2, farthest, cut }
+        let &BlobComponent { core, strength, material, .. } = component;
+        Term { core, strength, inverse2, farthest, cut, material }
+    }
+
+    /// What it is made around.
+    #[cfg(test)]
+    pub fn core(&self) -> BlobCore {
+        self.core
     }
 
     /// Whether it is around a point.
     pub fn is_ball(&self) -> bool {
         matches!(self.core, BlobCore::Ball(_))
+    }
+
+    /// Whether it says nothing from some distance on; half spaces have no end.
+    pub fn is_bounded(&self) -> bool {
+        !matches!(self.core, BlobCore::HalfSpace { .. })
+    }
+
+    /// How far from the origin what it is made around begins, and how far around that it says anything.
+    pub fn scale(&self) -> [f64; 2] {
+        let far = match self.core {
+            BlobCore::Ball(center) => center.abs().max_element(),
+            BlobCore::Cylinder([a, b]) => a.abs().max(b.abs()).max_element(),
+            BlobCore::HalfSpace { offset, .. } => offset.abs(),
+        };
+        [far, (self.farthest / self.inverse2).sqrt()]
+    }
+
+    /// A box around a part of its border that shows what it does; of a half space some of the plane next to the origin.
+    pub fn shown(&self) -> Aabb {
+        match self.core {
+            BlobCore::HalfSpace { normal, offset } => {
+                let ([_, reach], foot) = (self.scale(), offset * normal);
+                Aabb { min: (foot - 2.0 * reach).as_vec3(), max: (foot + 2.0 * reach).as_vec3() }
+            }
+            _ => self.bounds(),
+        }
     }
 
     /// One over the square of its radius.
@@ -135,6 +183,7 @@ impl Term {
         match self.core {
             BlobCore::Ball(center) => around(center),
             BlobCore::Cylinder([a, b]) => around(a).union(around(b)),
+            BlobCore::HalfSpace { .. } => return Aabb::EVERYWHERE,
         }
         .padded(1e-6)
     }
@@ -147,6 +196,11 @@ impl Term {
                 let (middle, half) = (0.5 * (cell.min + cell.max), 0.5 * (cell.max - cell.min).length());
                 let distance = self.offset(middle).length();
                 [(distance - half).max(0.0), distance + half].map(|d| d * d)
+            }
+            BlobCore::HalfSpace { normal, offset } => {
+                let (middle, half) = (0.5 * (cell.min + cell.max), 0.5 * (cell.max - cell.min));
+                let (height, spread) = (normal.dot(middle) - offset, normal.abs().dot(half));
+                [height - spread, height + spread].map(|h| h.max(0.0)).map(|d| d * d)
             }
         };
         let [nearest, farthest] = [near2, far2].map(|d2| d2 * self.inverse2);
@@ -167,6 +221,7 @@ impl Term {
                 let share = if length2 > 0.0 { (w.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
                 w - share * along
             }
+            BlobCore::HalfSpace { normal, offset } => (normal.dot(p) - offset).max(0.0) * normal,
         }
     }
 
@@ -207,6 +262,31 @@ impl Term {
                 };
                 hull(hull(ball(a), ball(b)), tube(o, d, a, b, reach2))
             }
+            BlobCore::HalfSpace { normal, offset } => {
+                let (height, reach) = (normal.dot(o) - offset, reach2.sqrt());
+                match rise(normal, d) {
+                    0.0 => (height < reach).then_some([f64::NEG_INFINITY, f64::INFINITY]),
+                    rise if rise > 0.0 => Some([f64::NEG_INFINITY, (reach - height) / rise]),
+                    rise => Some([(reach - height) / rise, f64::INFINITY]),
+                }
+            }
+        }
+    }
+
+    /// Where a line comes into a half space or leaves it, on one side of which the term is constant.
+    pub fn flat_from(&self, o: DVec3, d: DVec3) -> Option<f64> {
+        let BlobCore::HalfSpace { normal, offset } = self.core else { return None };
+        let t = (offset - normal.dot(o)) / rise(normal, d);
+        t.is_finite().then_some(t)
+    }
+
+    /// Its value where a line comes from, at infinity.
+    pub fn at_start(&self, kernel: BlobKernel, o: DVec3, d: DVec3) -> f64 {
+        let BlobCore::HalfSpace { normal, .. } = self.core else { return 0.0 };
+        match rise(normal, d) {
+            0.0 => self.at(kernel, o).0,
+            rise if rise > 0.0 => self.strength * (kernel.value(0.0) - self.cut),
+            _ => 0.0,
         }
     }
 
@@ -249,6 +329,13 @@ impl Term {
         let t = (u[1] - u[0] + slope[0] * a - slope[1] * b) / (slope[0] - slope[1]);
         u[0] + slope[0] * (t.clamp(a, b) - a)
     }
+}
+
+/// How fast a line leaves a half space; zero where it never does.
+fn rise(normal: DVec3, d: DVec3) -> f64 {
+    const PARALLEL: f64 = 1e-12;
+    let rise = normal.dot(d);
+    if rise.abs() <= PARALLEL * d.length() { 0.0 } else { rise }
 }
 
 /// Where a line is within a cylinder without its ends, between the planes at them.

@@ -1,11 +1,15 @@
-//! Blobs: surfaces where the sum of fields around balls and cylinders reaches a threshold.
+//! Blobs: surfaces where the sum of fields around balls, cylinders and half spaces reaches a threshold.
 //!
 //! ```text
 //! f(p) = sum_i b_i k(d_i(p)^2 / r_i^2) = T
 //! ```
 //!
 //! with `d_i` the distance from the core of component `i` and a kernel `k` that falls [Blinn 1982; Wyvill, McPheeters and
-//! Wyvill 1986]. Negative strengths take away. Inside is where the sum is larger.
+//! Wyvill 1986]. Negative strengths take away. Inside is where the sum is larger. Half spaces are cores without an end, and so may be
+//! the blob: then it is a solid as a plane is one.
+//!
+//! Components may have materials. Their shares at a point are those of the fields that add to the sum; surface coordinates of a
+//! blob are these shares, from which [`crate::texture::SurfaceShare`] mixes the materials.
 //!
 //! Along a ray each `d_i^2` is convex, so the bounds of a component on a piece of it, and of its derivative, follow from the
 //! ends. A piece whose sum cannot reach the threshold holds no crossing, one on which the derivative cannot vanish holds one
@@ -32,7 +36,7 @@ use self::extent::Extent;
 use self::field::{Term, sum_of_bounds};
 use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
-pub use field::{BlobComponent, BlobCore, BlobKernel};
+pub use field::{BlobComponent, BlobCore, BlobKernel, MOST_MATERIALS};
 
 /// From this many components on a tree finds those that a ray comes near.
 const TERMS_FOR_A_TREE: usize = 8;
@@ -49,7 +53,10 @@ struct Parts {
     kernel: BlobKernel,
     threshold: f64,
     terms: Vec<Term>,
+    /// Over the terms with bounds.
     tree: Option<Bvh>,
+    /// The terms without.
+    unbounded: Vec<u32>,
     bounds: Aabb,
     /// The largest coordinate.
     reach: f64,
@@ -57,6 +64,8 @@ struct Parts {
     rounding: f64,
     /// Whether the field along a ray is a quartic between the borders of components.
     is_quartic: bool,
+    /// How many materials there are.
+    materials: usize,
 }
 
 /// A component that a ray passes.
@@ -103,27 +112,56 @@ thread_local! {
 
 impl Blob {
     /// * `threshold`: value of the field at the surface, above zero
-    /// * `components`: radii above zero
+    /// * `components`: radii above zero, normals of unit length
     ///
     /// `None` when one of these is not so.
     pub fn new(kernel: BlobKernel, threshold: f64, components: &[BlobComponent]) -> Option<Blob> {
-        let usable = threshold > 0.0 && components.iter().all(|component| component.radius > 0.0);
+        let is_usable =
+            |component: &BlobComponent| component.radius > 0.0 && component.material < MOST_MATERIALS;
+        let usable = threshold > 0.0 && components.iter().all(is_usable);
         usable.then_some(())?;
         let negligible = CUT * threshold / components.len().max(1) as f64;
         let said = components.iter().filter(|component| component.strength != 0.0);
         let terms: Vec<Term> = said.map(|component| Term::new(component, kernel, negligible)).collect();
-        let boxes: Vec<Aabb> = terms.iter().map(Term::bounds).collect();
+        // Trees leave empty boxes out.
+        let tree_box = |term: &Term| if term.is_bounded() { term.bounds() } else { Aabb::EMPTY };
+        let boxes: Vec<Aabb> = terms.iter().map(tree_box).collect();
+        let (unbounded, without_end): (Vec<u32>, Vec<f64>) = (0..)
+            .zip(&terms)
+            .filter(|(_, term)| !term.is_bounded())
+            .map(|(i, term)| (i, term.strength().max(0.0)))
+            .unzip();
         let tree = (boxes.len() >= TERMS_FOR_A_TREE).then(|| Bvh::build(&boxes, &BuildSettings::default()));
         // Only what adds to the field can bring it to the threshold.
         let adds = terms.iter().zip(&boxes).filter(|(term, _)| term.adds()).map(|(_, bounds)| *bounds);
         let reaches = adds.fold(Aabb::EMPTY, Aabb::union);
-        let bounds = Extent { kernel, threshold, terms: &terms }.bounds(reaches);
-        let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+        // Where half spaces reach the threshold by themselves, they do so for ever.
+        let bounds = if without_end.iter().sum::<f64>() >= threshold * (1.0 - 1e-9) {
+            Aabb::EVERYWHERE
+        } else {
+            Extent { kernel, threshold, terms: &terms }.bounds(reaches)
+        };
+        let far = match bounds.is_finite() {
+            true => bounds.min.abs().max(bounds.max.abs()).max_element(),
+            false => terms.iter().map(|term| term.scale().iter().sum::<f64>()).fold(0.0, f64::max) as f32,
+        };
         let strengths: f64 = components.iter().map(|component| component.strength.abs()).sum();
         let rounding = 64.0 * f64::EPSILON * (strengths + threshold);
         let reach = if bounds.is_empty() { 0.0 } else { far.into() };
         let is_quartic = kernel == BlobKernel::Povray && terms.iter().all(Term::is_ball);
-        Some(Blob(Arc::new(Parts { kernel, threshold, terms, tree, bounds, reach, rounding, is_quartic })))
+        let materials = terms.iter().map(|term| term.material + 1).max().unwrap_or(1);
+        Some(Blob(Arc::new(Parts {
+            kernel,
+            threshold,
+            terms,
+            tree,
+            unbounded,
+            bounds,
+            reach,
+            rounding,
+            is_quartic,
+            materials,
+        })))
     }
 
     /// The field less the threshold, and its gradient.
@@ -131,6 +169,28 @@ impl Blob {
         SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
             self.0.find_near(p, self.0.margin(p), near);
             self.0.sum_of(near, p)
+        })
+    }
+
+    /// Of each material but the first the share that it has at a point of what it and those before it have together.
+    ///
+    /// Materials have shares by the fields that add to the sum. So the first material, mixed with the second by its share, this
+    /// mixture with the third, and so on, have all materials by their fields. The share of the first is 1.
+    pub fn shares(&self, p: DVec3) -> [f32; MOST_MATERIALS] {
+        let fields = SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
+            let parts = &*self.0;
+            parts.find_near(p, parts.margin(p), near);
+            let mut fields = [0.0; MOST_MATERIALS];
+            for &i in &*near {
+                let term = &parts.terms[i as usize];
+                fields[term.material] += term.at(parts.kernel, p).0.max(0.0);
+            }
+            fields
+        });
+        let mut sum = 0.0;
+        fields.map(|field| {
+            sum += field;
+            if sum > 0.0 { (field / sum) as f32 } else { 0.0 }
         })
     }
 }
@@ -148,6 +208,7 @@ impl Parts {
         let margin = margin as f32;
         let here = Ray::new(p.as_vec3(), Vec3::X).over(-margin, margin);
         tree.each(&here, |i| near.push(i));
+        near.extend_from_slice(&self.unbounded);
         // The sum has the same bits whatever way the tree goes.
         near.sort_unstable();
     }
@@ -165,14 +226,22 @@ impl Parts {
 
     /// Visits all crossings within a ray's range, in ascending order, until `visit` says that it is enough.
     fn crossings(&self, ray: &Ray, mut visit: impl FnMut(f64) -> bool) {
-        let Some((near, far)) = self.bounds.clip(ray) else { return };
+        let is_bounded = self.bounds.is_finite();
+        let clipped = if is_bounded { self.bounds.clip(ray) } else { Some((ray.t_min, ray.t_max)) };
+        let Some((near, far)) = clipped else { return };
         SCRATCH.with_borrow_mut(|scratch| {
             let line = Ray64::new(ray);
             self.gather(ray, &line, scratch);
             // Beyond the box nothing reaches the threshold; numbers stay finite.
-            let margin = 1e-3 * f64::from(far - near) + f64::from(f32::MIN_POSITIVE);
-            let lo = f64::from(near) - if near > ray.t_min { margin } else { 0.0 };
-            let hi = f64::from(far) + if far < ray.t_max { margin } else { 0.0 };
+            let [lo, hi] = if is_bounded {
+                let margin = 1e-3 * f64::from(far - near) + f64::from(f32::MIN_POSITIVE);
+                let lo = f64::from(near) - if near > ray.t_min { margin } else { 0.0 };
+                let hi = f64::from(far) + if far < ray.t_max { margin } else { 0.0 };
+                [lo, hi]
+            } else {
+                let Some(ends) = between_borders(&scratch.borders, ray) else { return };
+                ends
+            };
             scratch.borders.retain(|&t| t > lo && t < hi);
             scratch.borders.push(hi);
             scratch.borders.sort_unstable_by(f64::total_cmp);
@@ -222,14 +291,27 @@ impl Parts {
                 let (scale, strength) = (term.inverse2() * line.d.dot(line.d), term.strength());
                 passages.push(Passage { term: i, from, to, scale, strength });
                 borders.extend([from, to]);
+                borders.extend(term.flat_from(line.o, line.d));
             }
         };
         match &self.tree {
-            Some(tree) => tree.each(ray, add),
+            Some(tree) => {
+                tree.each(ray, &mut add);
+                self.unbounded.iter().for_each(|&i| add(i));
+            }
             None => (0..self.terms.len() as u32).for_each(&mut add),
         }
         passages.sort_unstable_by_key(|passage| passage.term);
     }
+}
+
+/// The part of a ray outside of which a field without bounds does not change: from before the first border to behind the last.
+fn between_borders(borders: &[f64], ray: &Ray) -> Option<[f64; 2]> {
+    let finite = || borders.iter().copied().filter(|t| t.is_finite());
+    let (first, last) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    let margin = 1e-3 * (last - first) + 1e-9 * first.abs().max(last.abs()) + f64::from(f32::MIN_POSITIVE);
+    let (lo, hi) = ((first - margin).max(ray.t_min.into()), (last + margin).min(ray.t_max.into()));
+    (lo < hi).then_some([lo, hi])
 }
 
 /// A piece of a ray on which the same components say anything.
@@ -282,7 +364,7 @@ impl Surface for Blob {
     }
 
     fn is_finite(&self) -> bool {
-        self.0.bounds.is_empty() || self.0.bounds.is_finite()
+        self.0.reach.is_finite()
     }
 
     fn hit(&self, ray: &Ray) -> Option<Hit> {
@@ -333,9 +415,19 @@ impl Surface for Blob {
         SurfacePoint::flat(p, p_error, n.as_vec3())
     }
 
-    /// A blob has no surface coordinates.
-    fn uv_at(&self, _hit: &Hit, _p: Vec3) -> Vec2 {
-        NO_UV
+    /// The shares of its second and third material; see [`Blob::shares`].
+    fn uv_at(&self, _hit: &Hit, p: Vec3) -> Vec2 {
+        if self.0.materials < 2 {
+            return NO_UV;
+        }
+        let [_, second, third, ..] = self.shares(p.as_dvec3());
+        Vec2::new(second, third)
+    }
+
+    /// Those of its fourth and fifth.
+    fn second_uv_at(&self, _hit: &Hit, p: Vec3) -> Option<Vec2> {
+        let [.., fourth, fifth] = if self.0.materials > 3 { self.shares(p.as_dvec3()) } else { return None };
+        Some(Vec2::new(fourth, fifth))
     }
 
     fn tangents_at(&self, _hit: &Hit, _p: Vec3) -> Tangents {
@@ -343,11 +435,26 @@ impl Surface for Blob {
     }
 
     fn is_closed(&self) -> bool {
+        self.0.bounds.is_empty() || self.0.bounds.is_finite()
+    }
+
+    fn is_solid(&self) -> bool {
         true
+    }
+
+    fn starts_inside(&self, ray: &Ray) -> bool {
+        let parts = &*self.0;
+        let line = Ray64::new(ray);
+        let at_start = |&i: &u32| parts.terms[i as usize].at_start(parts.kernel, line.o, line.d);
+        !self.is_closed()
+            && parts.unbounded.iter().map(at_start).fold(-parts.threshold, |sum, v| sum + v) >= 0.0
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
         let Parts { kernel, threshold, terms, bounds, .. } = &*self.0;
+        if !self.is_closed() {
+            return;
+        }
         let center = bounds.center().as_dvec3();
         let extent = Extent { kernel: *kernel, threshold: *threshold, terms };
         if let Some(patch) = TracedPatch::new(self.clone(), 0) {
@@ -357,7 +464,14 @@ impl Surface for Blob {
     }
 
     fn tessellate(&self, around: u32, out: &mut Tessellation) {
-        out.level_set(self.0.bounds, around, |p| {
+        let bounds = match self.is_closed() {
+            true => self.0.bounds,
+            false => {
+                let shown = self.0.terms.iter().map(Term::shown).fold(Aabb::EMPTY, Aabb::union);
+                shown.padded(0.25 * shown.extent().max_element())
+            }
+        };
+        out.level_set(bounds, around, |p| {
             let (value, gradient) = self.field(p);
             (value, -gradient)
         });
@@ -366,6 +480,7 @@ impl Surface for Blob {
     fn heap_bytes(&self) -> usize {
         size_of::<Parts>()
             + size_of_val(&*self.0.terms)
+            + size_of_val(&*self.0.unbounded)
             + self.0.tree.as_ref().map_or(0, |tree| tree.stats().bytes)
     }
 }

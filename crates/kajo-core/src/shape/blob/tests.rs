@@ -5,7 +5,7 @@ use kajo_math::{fmath, rng::Stream, warp};
 use super::*;
 
 fn ball(x: f64, strength: f64) -> BlobComponent {
-    BlobComponent { core: BlobCore::Ball(x * DVec3::X), radius: 1.0, strength }
+    BlobComponent { core: BlobCore::Ball(x * DVec3::X), radius: 1.0, strength, material: 0 }
 }
 
 fn gaussian(components: &[BlobComponent]) -> Blob {
@@ -72,7 +72,7 @@ fn random(n: u32, kernel: BlobKernel) -> Blob {
             BlobCore::Ball(point(0))
         };
         let strength = if i % 4 == 3 { -0.8 } else { 1.0 };
-        BlobComponent { core, radius: 0.2 + 0.3 * f64::from(s.uniform(7)), strength }
+        BlobComponent { core, radius: 0.2 + 0.3 * f64::from(s.uniform(7)), strength, material: 0 }
     };
     Blob::new(kernel, 0.4, &(0..n).map(component).collect::<Vec<_>>()).unwrap()
 }
@@ -137,7 +137,7 @@ fn points_are_on_the_surface() {
 /// A hole by a negative ball within a positive one, seen from outside and from within the hole.
 #[test]
 fn negative_balls_make_holes() {
-    let small = BlobComponent { core: BlobCore::Ball(DVec3::ZERO), radius: 0.4, strength: -3.0 };
+    let small = BlobComponent { core: BlobCore::Ball(DVec3::ZERO), radius: 0.4, strength: -3.0, material: 0 };
     let blob = gaussian(&[ball(0.0, 3.0), small]);
     assert_eq!(along_x(&blob, 0.0).len(), 4);
     assert!(blob.field(DVec3::ZERO).0 < 0.0);
@@ -187,4 +187,143 @@ fn extents_are_tight() {
             }
         }
     }
+}
+
+fn plane(normal: DVec3, offset: f64, radius: f64, strength: f64) -> BlobComponent {
+    BlobComponent { core: BlobCore::HalfSpace { normal, offset }, radius, strength, material: 0 }
+}
+
+/// A half space reaches the threshold where its kernel does, and a ball on it makes a hill of known height.
+#[test]
+fn half_spaces_are_where_formulas_have_them() {
+    let lift = fmath::ln64(2.0).sqrt();
+    for (kernel, threshold, height) in [
+        (BlobKernel::Gaussian, 0.5, 0.5 * lift),
+        (BlobKernel::Wyvill, 0.5, 0.25),
+        (BlobKernel::Povray, 0.25, 0.5 * 0.5f64.sqrt()),
+    ] {
+        let ground = Blob::new(kernel, threshold, &[plane(DVec3::Y, 0.3, 0.5, 1.0)]).unwrap();
+        assert!(!ground.is_closed() && ground.is_solid() && !ground.bounds().is_finite());
+        for (o, d) in [(Vec3::new(3.0, 5.0, 1.0), Vec3::new(0.4, -2.0, 0.3)), (Vec3::Y * 1e3, -Vec3::Y)] {
+            let ray = Ray::new(o, d).over(f32::NEG_INFINITY, f32::INFINITY);
+            let mut found = Vec::new();
+            ground.0.crossings(&ray, |t| {
+                found.push(t);
+                false
+            });
+            assert_eq!(found.len(), 1, "{found:?}");
+            let y = f64::from(o.y) + found[0] * f64::from(d.y);
+            assert!((y - 0.3 - height).abs() < 1e-9, "{kernel:?}: {y}");
+            assert!(!ground.starts_inside(&ray) && ground.starts_inside(&Ray { d: -d, ..ray }));
+            let at = ground.surface_at(&ray, &ground.hit(&ray).unwrap());
+            assert!(at.n.distance(Vec3::Y) < 1e-6 && (f64::from(at.p.y) - y).abs() < 1e-5, "{at:?}");
+        }
+        let beside = Ray::new(Vec3::ZERO, Vec3::X).over(f32::NEG_INFINITY, f32::INFINITY);
+        assert!(ground.hit(&beside).is_none() && ground.starts_inside(&beside));
+    }
+    // exp(-y^2) + exp(-(y - 1)^2) = 3/2 at the top of a ball that sits on the ground.
+    let hill = Blob::new(
+        BlobKernel::Gaussian,
+        0.5,
+        &[plane(DVec3::Y, 0.0, 1.0, 1.0), BlobComponent { core: BlobCore::Ball(DVec3::Y), ..ball(0.0, 1.0) }],
+    )
+    .unwrap();
+    let hit = hill.hit(&Ray::new(9.0 * Vec3::Y, -Vec3::Y)).unwrap();
+    let y = 9.0 - f64::from(hit.t);
+    let field = fmath::exp64(-y * y) + fmath::exp64(-(y - 1.0) * (y - 1.0));
+    assert!((field - 0.5).abs() < 1e-5 && y > 1.0, "{y} {field}");
+    // What takes away beyond a plane leaves a part with an end.
+    let cut = gaussian(&[ball(0.0, 3.0), plane(DVec3::X, 0.0, 0.2, -4.0)]);
+    assert!(cut.is_closed() && cut.bounds().min.x > -0.5 && cut.bounds().max.x > 0.9, "{:?}", cut.bounds());
+    assert_eq!(along_x(&cut, 0.0).len(), 2);
+}
+
+/// Blobs with half spaces begin inside or outside as they say, and change where there are crossings, and nowhere else.
+#[test]
+fn blobs_without_an_end_are_followed_along_whole_lines() {
+    let (mut crossed, mut from_within) = (0, 0);
+    for kernel in [BlobKernel::Gaussian, BlobKernel::Wyvill, BlobKernel::Povray] {
+        for n in 1..24 {
+            let s = Stream::new(103, [n, 0], 0);
+            let parts = random(n, kernel);
+            let of = |term: &Term, i: u32| {
+                let u = Vec2::new(s.uniform(4 * i), s.uniform(4 * i + 1));
+                let normal = warp::uniform_sphere(u).as_dvec3().normalize();
+                let strength = if i.is_multiple_of(3) { -0.5 } else { 0.6 };
+                let side = plane(normal, f64::from(s.uniform(4 * i + 2)) - 0.5, 0.4, strength);
+                let own = BlobComponent {
+                    core: term.core(),
+                    radius: 1.0 / term.inverse2().sqrt(),
+                    strength: term.strength(),
+                    material: 0,
+                };
+                if i.is_multiple_of(4) { vec![own, side] } else { vec![own] }
+            };
+            let components: Vec<_> =
+                parts.0.terms.iter().zip(0..).flat_map(|(term, i)| of(term, i)).collect();
+            let blob = Blob::new(kernel, 0.4, &components).unwrap();
+            for i in 0..60 {
+                let s = Stream::new(107, [i, n], 0);
+                let u = |k| Vec2::new(s.uniform(k), s.uniform(k + 1));
+                let d = warp::uniform_sphere(u(0));
+                let ray = Ray::new(warp::uniform_sphere(u(2)) * s.uniform(4), d);
+                let ray = ray.over(f32::NEG_INFINITY, f32::INFINITY);
+                let mut found = Vec::new();
+                blob.0.crossings(&ray, |t| {
+                    found.push(t);
+                    false
+                });
+                assert!(found.is_sorted(), "{found:?}");
+                let starts = blob.starts_inside(&ray);
+                from_within += u32::from(starts);
+                crossed += found.len();
+                let line = Ray64::new(&ray);
+                for k in -200..=200 {
+                    let t = 0.05 * f64::from(k);
+                    let field = blob.field(line.at(t)).0;
+                    let inside = starts != (found.partition_point(|&at| at < t) % 2 == 1);
+                    let is_clear = field.abs() > 1e-6;
+                    assert!(!is_clear || inside == (field >= 0.0), "{kernel:?} {n}, ray {i}, {t}: {found:?}");
+                }
+            }
+        }
+    }
+    assert!(crossed > 2000 && from_within > 300, "{crossed} {from_within}");
+}
+
+#[test]
+fn materials_have_shares_by_their_fields() {
+    let of = |x: f64, strength: f64, material: usize| BlobComponent { material, ..ball(x, strength) };
+    let two = gaussian(&[of(-0.5, 2.0, 0), of(0.5, 2.0, 1)]);
+    assert_eq!(two.shares(DVec3::Y)[1], 0.5);
+    let p = DVec3::new(0.3, 0.2, -0.4);
+    let ratio = fmath::exp64(-(0.8 * 0.8 - 0.2 * 0.2));
+    assert!((f64::from(two.shares(p)[1]) - 1.0 / (1.0 + ratio)).abs() < 1e-6);
+    // What takes away has none, and five materials are mixed one after the other.
+    let five: Vec<_> = (0..5).map(|i| of(0.3 * f64::from(i) - 0.6, 1.0, i as usize)).collect();
+    let all = gaussian(&[&five[..], &[of(0.1, -0.5, 4)]].concat());
+    let shares = all.shares(p);
+    let mut mixed = [0.0; 5];
+    for (i, &share) in shares.iter().enumerate() {
+        mixed[..i].iter_mut().for_each(|part| *part *= 1.0 - f64::from(share));
+        mixed[i] = f64::from(share);
+    }
+    let field = |i: u8| {
+        let x = 0.3 * f64::from(i) - 0.6;
+        fmath::exp64(-(p - x * DVec3::X).length_squared())
+    };
+    let fields = [0, 1, 2, 3, 4].map(field);
+    let sum: f64 = fields.iter().sum();
+    for (mixed, field) in mixed.iter().zip(&fields) {
+        assert!((mixed - field / sum).abs() < 1e-6, "{mixed} {field}");
+    }
+    let hit = Hit::default();
+    assert_eq!(all.uv_at(&hit, p.as_vec3()).to_array(), all.shares(p.as_vec3().as_dvec3())[1..3]);
+    let second = all.second_uv_at(&hit, p.as_vec3()).unwrap().to_array();
+    assert_eq!(second, all.shares(p.as_vec3().as_dvec3())[3..]);
+    assert_eq!(
+        (two.second_uv_at(&hit, Vec3::Y), gaussian(&[ball(0.0, 2.0)]).uv_at(&hit, Vec3::Y)),
+        (None, NO_UV)
+    );
+    assert!(Blob::new(BlobKernel::Gaussian, 1.0, &[of(0.0, 2.0, MOST_MATERIALS)]).is_none());
 }

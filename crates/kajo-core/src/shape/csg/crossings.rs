@@ -2,9 +2,9 @@
 
 use std::cell::RefCell;
 
-use kajo_math::{DVec3, Ray, Vec3};
+use kajo_math::{DVec3, Ray, Transform, Vec3};
 
-use super::{Leaf, Solid};
+use super::{Leaf, LeafPlace, Solid};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// How well a crossing is known along the ray, in units of the size of the numbers that it is computed from: a few roundings
@@ -150,16 +150,16 @@ impl Solid {
     /// Position and normals of a leaf, in the space of the result.
     pub(super) fn leaf_surface(&self, leaf: &Leaf, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let own = self.shapes.surface_at(leaf.shape, &leaf.ray(ray), hit);
-        leaf.place.as_ref().map_or(own, |place| own.transformed(place))
+        leaf.in_place(ray.time, own, |own, place| own.transformed(place))
     }
 
-    /// Whether it is for a leaf to say if the result holds the point `p`.
-    pub(super) fn depends_on(&self, leaf: u32, p: Vec3, scratch: &mut Scratch) -> bool {
+    /// Whether it is for a leaf to say if the result holds the point `p` at a ray's time.
+    pub(super) fn depends_on(&self, leaf: u32, p: Vec3, time: f32, scratch: &mut Scratch) -> bool {
         let counts = &mut scratch.counts;
         self.sets.reset(counts);
         let mut count = |i: u32| {
             let other = &self.leaves[i as usize];
-            if i != leaf && other.bounds.contains(p) && self.leaf_holds(other, p) {
+            if i != leaf && other.bounds.contains(p) && self.leaf_holds(other, p, time) {
                 self.sets.set(counts, i, true);
             }
         };
@@ -178,10 +178,10 @@ impl Solid {
     }
 
     /// Whether a leaf holds a point: it begins to as often as it ends to, on a line that comes from infinity.
-    fn leaf_holds(&self, leaf: &Leaf, p: Vec3) -> bool {
+    fn leaf_holds(&self, leaf: &Leaf, p: Vec3, time: f32) -> bool {
         /// A direction that few edges have.
         const ASKEW: Vec3 = Vec3::new(0.561_7, 0.803_1, 0.198_9);
-        let own = leaf.ray(&Ray::new(p, ASKEW).over(f32::NEG_INFINITY, f32::INFINITY));
+        let own = leaf.ray(&Ray { time, ..Ray::new(p, ASKEW).over(f32::NEG_INFINITY, f32::INFINITY) });
         let mut inside = self.shapes.starts_inside(leaf.shape, &own);
         self.shapes.crossings(leaf.shape, &own, &mut |hit| inside ^= hit.t < 0.0);
         inside
@@ -192,7 +192,17 @@ impl Leaf {
     /// A ray in the leaf's own space.
     #[inline]
     fn ray(&self, ray: &Ray) -> Ray {
-        self.place.as_ref().map_or(*ray, |place| place.ray_in_object(ray))
+        self.in_place(ray.time, *ray, |ray, place| place.ray_in_object(&ray))
+    }
+
+    /// `value`, taken through `f` with the leaf's map at a ray's time where that is not the identity.
+    #[inline]
+    pub(super) fn in_place<T>(&self, time: f32, value: T, f: impl FnOnce(T, &Transform) -> T) -> T {
+        match &self.place {
+            None => value,
+            Some(LeafPlace::Still(place)) => f(value, place),
+            Some(LeafPlace::Moving(motion)) => f(value, &motion.at(time)),
+        }
     }
 }
 

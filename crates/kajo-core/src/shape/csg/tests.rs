@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use kajo_math::{DQuat, DVec3, rng::Stream, warp};
+use kajo_math::{DQuat, DVec3, Keyframes, rng::Stream, warp};
 
 use super::*;
 use crate::shape::{Cone, Cuboid, Plane, Sphere, Torus};
@@ -12,7 +12,7 @@ fn part(shape: impl Into<AnyShape>) -> Vec<SolidPart> {
 }
 
 fn placed(shape: impl Into<AnyShape>, map: DAffine3) -> Vec<SolidPart> {
-    vec![SolidPart { shape: shape.into(), map, material: None }]
+    vec![SolidPart { shape: shape.into(), map: Motion::still(map), material: None, source: 0 }]
 }
 
 fn solid(operation: SetOperation, operands: &[Vec<SolidPart>]) -> Csg {
@@ -174,6 +174,115 @@ fn the_algebra_of_sets_holds() {
     assert!(different < 20, "{different} of 840,000 rays name another of two faces");
 }
 
+/// Operands that move are at each moment where they would be at rest, to the bit.
+#[test]
+fn operands_move_as_if_they_stood_still_at_each_moment() {
+    let shutter = Shutter::new(0.25, 1.5);
+    let mut met = 0;
+    for tree in 0..12 {
+        let s = Stream::new(101, [tree, 0], 0);
+        let mut k = 0;
+        let parts = [random(&s, &mut k, 3), random(&s, &mut k, 2), part(Plane::new(DVec3::Y, 0.3))];
+        let key = |axis: DVec3, angle: f64, to: DVec3| {
+            DAffine3::from_rotation_translation(DQuat::from_axis_angle(axis.normalize(), angle), to)
+        };
+        let motions = [
+            Motion::still(key(DVec3::ONE, 0.4, DVec3::X * 0.1)),
+            Motion::keyed(
+                Keyframes::new(&[
+                    (0.0, key(DVec3::Z, 0.0, DVec3::ZERO)),
+                    (0.8, key(DVec3::Z, 1.2, DVec3::new(0.5, 0.1, -0.2))),
+                    (2.0, key(DVec3::X, 2.0, DVec3::new(-0.4, 0.3, 0.1))),
+                ])
+                .unwrap(),
+            ),
+            Motion::keyed(
+                Keyframes::new(&[(0.0, DAffine3::IDENTITY), (1.0, key(DVec3::X, 0.7, DVec3::Y))]).unwrap(),
+            ),
+        ];
+        for operation in [Union, Intersection, Difference] {
+            let of = |map: &dyn Fn(&Motion) -> Motion| {
+                // Under one motion more, as a solid within a solid is.
+                let outer = map(&motions[1]);
+                let inner = parts.iter().zip(&motions).map(|(parts, motion)| {
+                    let moved =
+                        |part: &SolidPart| SolidPart { map: map(motion).then(&part.map), ..part.clone() };
+                    parts.iter().map(moved).collect()
+                });
+                let inner = Csg::new(operation, &inner.collect::<Vec<_>>()).unwrap();
+                let nested = vec![SolidPart { shape: inner.into(), map: outer, material: None, source: 0 }];
+                Csg::new(Difference, &[nested, ball(0.2, 0.4)]).unwrap().exposed(shutter)
+            };
+            let moving = of(&Motion::clone);
+            assert!(moving.moves() && moving.has_moving_parts());
+            for step in 0..=4u8 {
+                let time = f32::from(step) / 4.0;
+                let moment = shutter.open + f64::from(time) * (shutter.close - shutter.open);
+                let still = of(&|motion| Motion::still(motion.at(moment)));
+                assert!(!still.moves() && !still.has_moving_parts());
+                let part = [0.25 * f64::from(step.saturating_sub(1)), 0.25 * f64::from(step)];
+                let bounds = moving.bounds_during(part).padded(1e-5);
+                for i in 0..400 {
+                    let ray = Ray { time, ..line(i) };
+                    let [found, expected] = [&moving, &still].map(|solid| {
+                        let mut found = Vec::new();
+                        solid.crossings(&ray, |hit| found.push((hit, solid.surface_at(&ray, &hit))));
+                        found
+                    });
+                    assert_eq!(found.len(), expected.len(), "tree {tree}, {operation:?} at {time}, ray {i}");
+                    for ((a, at_a), (b, at_b)) in found.iter().zip(&expected) {
+                        assert_eq!((a.t, a.part), (b.t, b.part));
+                        assert_eq!((at_a.p, at_a.n), (at_b.p, at_b.n));
+                        assert!(bounds.contains(at_a.p), "{} at {time}", at_a.p);
+                        met += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(met > 40_000, "{met}");
+}
+
+/// What of a leaf shows changes with the time of a ray, wherever the leaf's patches are then.
+#[test]
+fn the_surface_shows_where_the_leaves_have_moved() {
+    let there = DAffine3::from_translation(DVec3::X);
+    let slides = Motion::keyed(Keyframes::new(&[(0.0, DAffine3::IDENTITY), (1.0, there)]).unwrap());
+    let hole = SolidPart { map: slides, ..ball(0.0, 0.5)[0].clone() };
+    let plane = part(Plane::new(DVec3::Y, 0.0));
+    let solid = solid(Difference, &[ball(0.0, 2.0), vec![hole], plane]);
+    for (time, x, shows) in [(0.0, 0.0, false), (0.0, 0.6, true), (1.0, 0.6, false), (1.0, 0.0, true)] {
+        assert_eq!(solid.shows(2, Vec3::new(x, 0.0, 0.0), time), shows, "{x} at {time}");
+    }
+    // The wall of the hole, and where it was when the shutter opened.
+    let p = Vec3::new(1.0, 0.5, 0.0);
+    assert!(solid.shows(1, p, 1.0));
+    let motion = solid.part_motion(1).unwrap();
+    assert_eq!(motion.carried(p, [1.0, 0.0]), Vec3::new(0.0, 0.5, 0.0));
+    assert!(solid.part_motion(0).is_none() && solid.part_motion(2).is_none());
+}
+
+/// What is taken away is told whole and with whose it is, however deep, and where it is when the shutter opens.
+#[test]
+fn what_is_taken_away_is_told_whole() {
+    let of = |source: u32, x: f64| {
+        let map = Motion::still(DAffine3::from_translation(x * DVec3::X));
+        vec![SolidPart { source, map, ..ball(0.0, 0.5)[0].clone() }]
+    };
+    let inner = part(solid(Difference, &[of(1, 0.0), of(2, 0.4)]));
+    let there = DAffine3::from_translation(DVec3::Y);
+    let slides = Motion::keyed(Keyframes::new(&[(0.0, there), (1.0, DAffine3::IDENTITY)]).unwrap());
+    let moving = vec![SolidPart { source: 3, map: slides, ..ball(0.0, 0.5)[0].clone() }];
+    // What is taken from what is taken away is not.
+    let solid = solid(Difference, &[of(4, 0.0), inner, moving]);
+    let told: Vec<_> = solid.subtracted(32).collect();
+    assert_eq!(told.iter().map(|(source, _)| *source).collect::<Vec<_>>(), [1, 3]);
+    for ((_, triangles), center) in told.iter().zip([Vec3::ZERO, Vec3::Y]) {
+        assert!(triangles.faces.len() > 500);
+        assert!(triangles.positions.iter().all(|p| (p.distance(center) - 0.5).abs() < 1e-5));
+    }
+}
+
 fn solid_of(parts: &[SolidPart]) -> Vec<SolidPart> {
     part(solid(Union, &[parts.to_vec()]))
 }
@@ -255,7 +364,7 @@ fn the_surface_is_what_shows_of_the_leaves() {
         for i in 0..400 {
             let s = Stream::new(59, [i, part], 0);
             let Some(drawn) = patch.sample_area(Vec2::new(s.uniform(0), s.uniform(1))) else { continue };
-            let shows = solid.shows(part, drawn.p);
+            let shows = solid.shows(part, drawn.p, 0.0);
             let n = if solid.is_inverted(part) { -drawn.n } else { drawn.n };
             let ray = Ray::new(drawn.p + 0.01 * n, -n).over(-1.0, 1.0);
             let mut met = false;
@@ -295,7 +404,7 @@ fn many_leaves_say_which_of_them_shows() {
         } else {
             any(0..LEAVES / 2) && !any(LEAVES / 2..LEAVES)
         };
-        assert_eq!(solid.shows(leaf, p), expected, "leaf {leaf} at {p}");
+        assert_eq!(solid.shows(leaf, p, 0.0), expected, "leaf {leaf} at {p}");
         shown += u32::from(expected);
     }
     assert!(shown > 500 && unclear < 50, "{shown} {unclear}");

@@ -415,21 +415,60 @@ class Union(ObjectBlock):
 
 
 class Intersection(ObjectBlock):
-    """What is in all of several solids."""
+    """What is in all of several solids.
+
+    Args:
+        own_material: material of all its faces (name or number). Default: those of its
+            operands.
+    """
 
     keyword = "Intersection"
+    spelled: ClassVar[dict[str, str]] = {"own_material": "material"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        own_material: MaterialName | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.own_material = own_material
 
 
 class Difference(ObjectBlock):
-    """What is in the first solid and in none of the others."""
+    """What is in the first solid and in none of the others.
+
+    Args:
+        own_material: material of all its faces (name or number). Default: those of its
+            operands.
+    """
 
     keyword = "Difference"
+    spelled: ClassVar[dict[str, str]] = {"own_material": "material"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        own_material: MaterialName | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.own_material = own_material
 
 
 class Merge(ObjectBlock):
-    """What is in any of several solids, without the surfaces inside."""
+    """What is in any of several solids, without the surfaces inside.
+
+    Args:
+        own_material: material of all its faces (name or number). Default: those of its
+            operands.
+    """
 
     keyword = "Merge"
+    spelled: ClassVar[dict[str, str]] = {"own_material": "material"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        own_material: MaterialName | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.own_material = own_material
 
 
 class Group(ObjectBlock):

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .._items import (
         Emission,
         File,
+        MaterialName,
         MediumName,
         Number,
         Vector,
@@ -28,6 +29,8 @@ class SpherePart(PartBlock):
         center: its middle (x y z).
         radius: of its kernel (number > 0, length).
         strength: value of its field in the middle (number). Default: 1.
+        material: what it is made of, where it is not like the rest (name or number). Default:
+            that of the blob.
     """
 
     keyword = "sphere"
@@ -37,11 +40,13 @@ class SpherePart(PartBlock):
         center: Vector,
         radius: Number,
         strength: Number | None = None,
+        material: MaterialName | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.center = center
         self.radius = radius
         self.strength = strength
+        self.material = material
 
 
 class CylinderPart(PartBlock):
@@ -52,6 +57,8 @@ class CylinderPart(PartBlock):
         top: the other end (x y z).
         radius: of its kernel (number > 0, length).
         strength: value of its field on the axis (number). Default: 1.
+        material: what it is made of, where it is not like the rest (name or number). Default:
+            that of the blob.
     """
 
     keyword = "cylinder"
@@ -62,12 +69,44 @@ class CylinderPart(PartBlock):
         top: Vector,
         radius: Number,
         strength: Number | None = None,
+        material: MaterialName | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.base = base
         self.top = top
         self.radius = radius
         self.strength = strength
+        self.material = material
+
+
+class PlanePart(PartBlock):
+    """A component of a blob that fills the half space behind a plane.
+
+    Args:
+        point: a point of it (x y z).
+        normal: at right angles to it, away from what is filled (x y z).
+        radius: of its kernel, outwards (number > 0, length).
+        strength: value of its field behind it (number). Default: 1.
+        material: what it is made of, where it is not like the rest (name or number). Default:
+            that of the blob.
+    """
+
+    keyword = "plane"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        point: Vector,
+        normal: Vector,
+        radius: Number,
+        strength: Number | None = None,
+        material: MaterialName | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.point = point
+        self.normal = normal
+        self.radius = radius
+        self.strength = strength
+        self.material = material
 
 
 class Outline(PartBlock):

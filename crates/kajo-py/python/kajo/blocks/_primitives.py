@@ -186,7 +186,7 @@ class Superellipsoid(ObjectBlock):
 
 
 class Blob(ObjectBlock):
-    """Balls and cylinders that flow into each other.
+    """Balls, cylinders and half spaces that flow into each other.
 
     Args:
         threshold: value of the field at the surface (number > 0). Default: 0.5.
