@@ -191,7 +191,15 @@ impl Job {
             meter.finish();
             result
         });
-        self.finish(result, interrupted, &targets, interrupt, voice)
+        let done = self.finish(result, interrupted, &targets, interrupt, voice)?;
+        let problems = loaded.tiles.map(|tiles| tiles.take_problems()).unwrap_or_default();
+        match &problems[..] {
+            [] => Ok(done),
+            problems => {
+                let all = problems.join("; ");
+                Err(Failure::Input(format!("{all}; what is missing is shown in the mean colour")))
+            }
+        }
     }
 
     /// Reads the scene, or takes it from a bundle.

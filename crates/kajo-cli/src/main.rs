@@ -58,6 +58,7 @@ fn run() -> Result<(), Failure> {
         Command::Info(args) => commands::info(&args),
         Command::Convert(args) => commands::convert(&args),
         Command::Btf(args) => commands::btf(&args.command),
+        Command::Texture(args) => commands::texture(&args.command),
         Command::Diff(args) => commands::diff(&args),
         Command::Gallery(args) => gallery::run(&args, &interrupt),
         Command::Bench(args) => commands::bench(&args),

@@ -170,8 +170,9 @@ impl Scene {
             p: self.geometry.pattern_point(at),
             uv,
             tint: self.geometry.tint(at),
-            n: at.point.n,
+            n: self.geometry.pattern_normal(at),
             time: at.time,
+            object_from_world: self.pattern_frame(at),
             ..TextureContext::default()
         };
         let leaving = Leaving { p: at.point.p, d: Some(leaving) };

@@ -139,6 +139,21 @@ impl MovingTransform {
         Transform::of_invertible(&(self.map_at(to) * self.map_at(from).inverse()))
     }
 
+    /// The unit normal there of a surface whose normal at a ray's time is `n`.
+    ///
+    /// * `inner`: how the part moves within the object, where it does
+    pub(crate) fn painted_normal(&self, inner: Option<&MovingTransform>, n: Vec3, time: f32) -> Vec3 {
+        // By the inverse transposes of all maps.
+        let own = self.at(time).world_from_object.matrix3.transpose() * n;
+        let own = inner.map_or(own, |inner| inner.painted_normal(None, own, time));
+        (self.painted.matrix3.inverse().transpose() * own).normalize_or(n)
+    }
+
+    /// From the world as patterns are painted in it to the space of the object.
+    pub fn object_from_painted(&self) -> Affine3A {
+        self.painted.inverse()
+    }
+
     /// The map at some times that tell whether it ever changes shapes.
     pub fn sampled_maps(&self) -> impl Iterator<Item = DAffine3> {
         (0..=32u8).map(|i| self.map_at(f32::from(i) / 32.0))

@@ -14,7 +14,7 @@ use crate::texture::{TextureContext, TextureFootprint};
 use std::sync::{Arc, OnceLock};
 
 use kajo_color::Spectrum;
-use kajo_math::Ray;
+use kajo_math::{Affine3, Ray};
 
 use crate::animation::Animation;
 use crate::background::Background;
@@ -22,7 +22,7 @@ use crate::bsdf::Phong;
 use crate::camera::{Camera, NamedCamera};
 use crate::emission::VariedEmission;
 use crate::ids::ObjectId;
-use crate::interaction::{Hit, SurfacePoint, SurfaceUv};
+use crate::interaction::{Hit, SurfaceUv};
 use crate::light::{LightId, LightSampler, Lights};
 use crate::material::{Appearance, MaterialId};
 use crate::medium::{Fog, MediumId};
@@ -134,8 +134,18 @@ impl Scene {
             TextureFootprint::POINT
         };
         let p = self.geometry.pattern_point(at);
-        let SurfacePoint { n, .. } = at.point;
-        TextureContext { p, uv, tint: self.geometry.tint(at), n, time: at.time, footprint }
+        let n = self.geometry.pattern_normal(at);
+        let object_from_world = self.pattern_frame(at);
+        TextureContext { p, uv, tint: self.geometry.tint(at), n, time: at.time, object_from_world, footprint }
+    }
+
+    /// [`TextureContext::object_from_world`] at an interaction.
+    #[inline]
+    pub(crate) fn pattern_frame(&self, at: &Interaction) -> Affine3 {
+        match self.appearance.textures.wants_object_space() {
+            true => rarely(|| self.geometry.pattern_frame(at)),
+            false => Affine3::IDENTITY,
+        }
     }
 
     /// The classic reflection model of a material, where it is the same at every point whatever has the material.

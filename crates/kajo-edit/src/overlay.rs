@@ -25,7 +25,7 @@ impl Assets for Overlay<'_> {
         let Some(file) = self.files.iter().find(|file| file.name == path) else { return found };
         let bytes = file.text.as_bytes().to_vec();
         let (path, len) = (file.name.clone(), Some(bytes.len() as u64));
-        Ok(AssetFile { path, len, stamp: None, reader: Box::new(Cursor::new(bytes)) })
+        Ok(AssetFile { path, len, stamp: None, reopen: None, reader: Box::new(Cursor::new(bytes)) })
     }
 
     fn progress(&self, step: LoadStep<'_>) {

@@ -145,7 +145,13 @@ impl Assets for Bundle {
         let path = self.names.get(&(name.to_owned(), from.to_owned())).ok_or(AssetError::NotFound)?;
         let content = Arc::clone(self.contents.get(path).ok_or(AssetError::NotFound)?);
         let len = Some(content.len() as u64);
-        Ok(AssetFile { path: path.clone(), len, stamp: None, reader: Box::new(Cursor::new(content)) })
+        Ok(AssetFile {
+            path: path.clone(),
+            len,
+            stamp: None,
+            reopen: None,
+            reader: Box::new(Cursor::new(content)),
+        })
     }
 }
 

@@ -37,8 +37,8 @@ pub mod warp;
 pub use aabb::Aabb;
 pub use frame::Frame;
 pub use glam::{
-    Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Mat3, Mat4, UVec2, UVec3, Vec2, Vec3,
-    Vec3A, Vec4,
+    Affine3, Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Mat3, Mat3A, Mat4, UVec2, UVec3,
+    Vec2, Vec3, Vec3A, Vec4,
 };
 pub use motion::{KeyError, Keyframes, Motion};
 pub use ray::Ray;

@@ -136,11 +136,11 @@ impl Assets for PythonFiles {
         if path == self.text.0 {
             let text = Arc::clone(&self.text.1);
             let (len, reader) = (Some(text.len() as u64), Box::new(io::Cursor::new(text)));
-            return Ok(AssetFile { path, len, stamp: None, reader });
+            return Ok(AssetFile { path, len, stamp: None, reopen: None, reader });
         }
         let tables = Arc::clone(self.files.get(&path).ok_or(AssetError::NotFound)?);
         let len = tables.iter().map(|table| table.rows as u64 * table.width() as u64).sum();
         let reader = TableReader { tables, table: 0, row: 0, ready: Vec::new(), taken: 0 };
-        Ok(AssetFile { path, len: Some(len), stamp: None, reader: Box::new(reader) })
+        Ok(AssetFile { path, len: Some(len), stamp: None, reopen: None, reader: Box::new(reader) })
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kajo::{Dialect, LoadOptions, Loaded, Severity, View};
+use kajo::{Dialect, LoadOptions, Loaded, Severity, TextureFolder, View};
 use kajo_farm::{Bundle, Recording};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -97,7 +97,8 @@ pub fn load(
     dialect: Option<&str>,
     aspect: Option<f64>,
 ) -> PyResult<Scene> {
-    let options = LoadOptions { folders, allow_outside, ..options(camera, dialect, aspect)? };
+    let textures = TextureFolder::usual();
+    let options = LoadOptions { folders, allow_outside, textures, ..options(camera, dialect, aspect)? };
     let loaded = py.detach(|| kajo::load(Path::new(&path), &options));
     checked(py, loaded)
 }

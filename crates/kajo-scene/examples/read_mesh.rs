@@ -7,7 +7,7 @@ fn main() -> std::io::Result<()> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "mesh.obj".to_owned());
     let file = std::fs::File::open(&path)?;
     let megabytes = file.metadata()?.len() as f64 / 1e6;
-    let asset = AssetFile { path, len: None, stamp: None, reader: Box::new(file) };
+    let asset = AssetFile { path, len: None, stamp: None, reopen: None, reader: Box::new(file) };
     let start = Instant::now();
     match read_mesh(asset, &Limits::default()) {
         Ok((mesh, report)) => {

@@ -53,8 +53,50 @@ pub struct AssetFile {
     pub len: Option<u64>,
     /// Differs when the content does, where that is known without reading it: made of the time of the last change.
     pub stamp: Option<u64>,
+    /// How it is opened again after the scene was read, where that can be.
+    pub reopen: Option<Reopen>,
     /// The content.
     pub reader: Box<dyn Read + Send>,
+}
+
+type OpenAgain = dyn Fn() -> Result<AssetFile, AssetError> + Send + Sync;
+
+/// Opens a file again, for whoever does not keep all of its content.
+#[derive(Clone)]
+pub struct Reopen {
+    identity: Arc<str>,
+    open: Arc<OpenAgain>,
+}
+
+impl Reopen {
+    /// One that calls `open`.
+    ///
+    /// * `identity`: one text for each file of this machine: its path from the root
+    pub fn new(
+        identity: &str,
+        open: impl Fn() -> Result<AssetFile, AssetError> + Send + Sync + 'static,
+    ) -> Reopen {
+        Reopen { identity: identity.into(), open: Arc::new(open) }
+    }
+
+    /// What tells the file from all others.
+    pub fn identity(&self) -> &str {
+        &self.identity
+    }
+
+    /// The file as it is now.
+    ///
+    /// # Errors
+    /// When it cannot be opened.
+    pub fn open(&self) -> Result<AssetFile, AssetError> {
+        (self.open)()
+    }
+}
+
+impl std::fmt::Debug for Reopen {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Reopen").field("identity", &self.identity).finish_non_exhaustive()
+    }
 }
 
 impl AssetFile {
@@ -199,7 +241,7 @@ impl Assets for MemoryAssets {
         let path = relative_asset(from, name)?;
         let content = Arc::clone(self.files.get(&path).ok_or(AssetError::NotFound)?);
         let len = Some(content.len() as u64);
-        Ok(AssetFile { path, len, stamp: None, reader: Box::new(Cursor::new(content)) })
+        Ok(AssetFile { path, len, stamp: None, reopen: None, reader: Box::new(Cursor::new(content)) })
     }
 }
 
@@ -220,7 +262,7 @@ mod tests {
                 panic!("it is read");
             }
         }
-        let file = |len, reader| AssetFile { path: "a".to_owned(), len, stamp: None, reader };
+        let file = |len, reader| AssetFile { path: "a".to_owned(), len, stamp: None, reopen: None, reader };
         let refused = read_limited(file(Some(11), Box::new(Unread)), 10);
         assert!(matches!(refused, Err(AssetError::TooLarge { limit: 10 })));
         for len in [None, Some(3)] {
@@ -346,6 +388,7 @@ mod tests {
             path: "e".into(),
             len: Some(3),
             stamp: None,
+            reopen: None,
             reader: Box::new(io::repeat(b'a').take(1 << 40)),
         };
         assert!(matches!(read_limited(endless(), 1000), Err(AssetError::TooLarge { limit: 1000 })));
@@ -353,6 +396,7 @@ mod tests {
             path: "e".into(),
             len: None,
             stamp: None,
+            reopen: None,
             reader: Box::new(io::repeat(b'a').take(7)),
         };
         assert_eq!(read_limited(exact, 7).unwrap(), b"aaaaaaa");

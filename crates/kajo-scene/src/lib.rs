@@ -65,7 +65,9 @@ mod voxels;
 mod weld;
 
 pub use args::Args;
-pub use assets::{AssetError, AssetFile, Assets, LoadStep, MemoryAssets, read_limited, relative_asset};
+pub use assets::{
+    AssetError, AssetFile, Assets, LoadStep, MemoryAssets, Reopen, read_limited, relative_asset,
+};
 pub use clock::{Clock, USUAL_FPS};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};

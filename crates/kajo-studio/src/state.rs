@@ -30,7 +30,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use kajo::session::{Job, Status};
-use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View, suitable_size};
+use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, TextureFolder, View, suitable_size};
 use kajo_edit::handles::Mode;
 use kajo_edit::preview::Preview;
 use kajo_edit::{Compilation, Compiled, Document, DocumentError, FileId};
@@ -569,8 +569,13 @@ impl Studio {
     }
 }
 
+/// How scenes are read in the window.
+fn load_options() -> LoadOptions {
+    LoadOptions { textures: TextureFolder::usual(), ..LoadOptions::default() }
+}
+
 fn open(path: PathBuf) -> Opened {
-    let document = Document::open(&path, LoadOptions::default()).map(|mut document| {
+    let document = Document::open(&path, load_options()).map(|mut document| {
         document.compile();
         document
     });

@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::UNIX_EPOCH;
 
 use kajo_math::rng::mix;
-use kajo_scene::{AssetError, AssetFile, Assets, Limits, LoadStep, nearest, relative_asset};
+use kajo_scene::{AssetError, AssetFile, Assets, Limits, LoadStep, Reopen, nearest, relative_asset};
 
 /// Hears how far the loading of a scene is.
 pub trait LoadProgress: std::fmt::Debug + Send + Sync {
@@ -199,7 +199,7 @@ impl Assets for FsAssets {
             (path, shown)
         };
         let (file, len) = open_regular(&path, self.max_bytes)?;
-        let stamp = stamp(&file);
+        let stamp = stamp_of(&file);
         let reader: Box<dyn Read + Send> = match &self.progress {
             None => Box::new(file),
             Some(progress) => Box::new(WatchedFile {
@@ -210,7 +210,15 @@ impl Assets for FsAssets {
                 progress: Arc::clone(progress),
             }),
         };
-        Ok(AssetFile { path: shown, len: Some(len), stamp, reader })
+        let reopen = path.to_str().map(|identity| {
+            let (path, shown, most) = (path.clone(), shown.clone(), self.max_bytes);
+            Reopen::new(identity, move || {
+                let (file, len) = open_regular(&path, most)?;
+                let (stamp, path) = (stamp_of(&file), shown.clone());
+                Ok(AssetFile { path, len: Some(len), stamp, reopen: None, reader: Box::new(file) })
+            })
+        });
+        Ok(AssetFile { path: shown, len: Some(len), stamp, reopen, reader })
     }
 
     fn progress(&self, step: LoadStep<'_>) {
@@ -221,7 +229,7 @@ impl Assets for FsAssets {
 }
 
 /// What tells one state of a file from another: when it was changed, and how long it is.
-fn stamp(file: &File) -> Option<u64> {
+fn stamp_of(file: &File) -> Option<u64> {
     let metadata = file.metadata().ok()?;
     let changed = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
     Some(mix(changed.as_nanos() as u64 ^ mix(metadata.len())))

@@ -51,6 +51,7 @@ pub mod session;
 mod settings;
 mod split_render;
 mod tev;
+mod texture_folder;
 pub mod turntable;
 mod view;
 
@@ -69,6 +70,7 @@ pub use scene_digest::SceneDigest;
 pub use settings::{RenderSettings, SettingsError, suitable_size};
 pub use split_render::{SplitRender, WorkUnit};
 pub use tev::Tev;
+pub use texture_folder::TextureFolder;
 pub use view::View;
 
 pub use kajo_color::Tone;
@@ -84,6 +86,7 @@ pub use kajo_core::settings::{
     Dialect, Directions, FilterChoice, Gradients, IntegratorName, PhotonMapUse, Settings, SettingsKey,
     ShadowAttenuation, Shadows, Technique,
 };
+pub use kajo_core::texture::{Encoding, TileCache};
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};
 pub use kajo_math;
 pub use kajo_render::integrator::CHOICES as INTEGRATOR_CHOICES;

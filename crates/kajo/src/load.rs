@@ -1,10 +1,12 @@
 //! From a file to a scene ready to be rendered, with everything there is to say about it.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use kajo_core::animation::Animation;
 use kajo_core::compile::{animation_of, clock_of, compile};
 use kajo_core::scene::Scene;
+use kajo_core::texture::TileCache;
 use kajo_scene::{
     Assets, Clock, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, READ_FORMATS, SceneDesc, Sources,
     one_line, render,
@@ -26,6 +28,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// What it was read from, where that is no file.
     pub digest: Option<SceneDigest>,
+    /// The tiles of pictures that are not in memory as a whole.
+    pub tiles: Option<Arc<TileCache>>,
     /// The memory it takes, and what is left of that which it may take.
     pub memory: MemoryBudget,
 }
@@ -68,7 +72,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
             let mut diagnostics = Diagnostics::new();
             diagnostics.push(Diagnostic::error(problem));
             let (desc, memory) = (SceneDesc::default(), MemoryBudget::default());
-            Loaded { desc, diagnostics, scene: None, files: Vec::new(), digest: None, memory }
+            Loaded { desc, diagnostics, scene: None, files: Vec::new(), digest: None, tiles: None, memory }
         }
     }
 }
@@ -149,7 +153,8 @@ fn compiled(parsed: Parsed, assets: &dyn Assets, options: &LoadOptions, limits: 
         true => compile(&mut desc, assets, &compile_options, &mut diagnostics),
         false => None,
     };
-    Loaded { desc, diagnostics, scene, files: Vec::new(), digest: None, memory }
+    let tiles = compile_options.tiled.map(|tiled| tiled.cache);
+    Loaded { desc, diagnostics, scene, files: Vec::new(), digest: None, tiles, memory }
 }
 
 #[cfg(test)]

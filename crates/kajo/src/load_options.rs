@@ -10,7 +10,7 @@ use kajo_math::Vec3;
 use kajo_render::integrator;
 use kajo_scene::{Limits, MemoryBudget};
 
-use crate::{FsAssets, LoadProgress, memory};
+use crate::{FsAssets, LoadProgress, TextureFolder, memory};
 
 /// What is known about a scene before it is read.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +36,8 @@ pub struct LoadOptions {
     /// Meshes of scenes that were read before, which need not be read again. The same store is for the same
     /// [`LoadOptions::limits`].
     pub meshes: Option<Arc<MeshStore>>,
+    /// Where tiled copies of large pictures are kept; without it all pictures are in memory as a whole.
+    pub textures: Option<TextureFolder>,
     /// How a model that is no scene is shown.
     pub model: ModelOptions,
     /// Whether cameras of models come before those of the scene: so for a model that is no scene.
@@ -53,8 +55,10 @@ impl LoadOptions {
 
     /// The same for the compiler, within these bounds.
     pub fn compile_options(&self, limits: Limits) -> CompileOptions {
+        let memory = limits.memory.used().saturating_add(limits.memory.left());
         CompileOptions {
             dialect: self.dialect,
+            tiled: self.textures.as_ref().map(|textures| textures.copies(memory)),
             limits,
             camera: self.camera.clone(),
             aspect: self.aspect,

@@ -69,6 +69,23 @@ pub enum OutputError {
     },
 }
 
+/// Makes a file of what `content` writes, in place of what had its name, which is there until all of it is written.
+///
+/// * `path`: with its folder
+///
+/// # Errors
+/// Those of the system and of `content`.
+pub(crate) fn replace(
+    path: &Path,
+    content: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let folder = path.parent().ok_or(ErrorKind::InvalidInput)?;
+    let part = Part::create(folder)?;
+    part::clear(folder, &part);
+    content(&mut part.file())?;
+    part.rename(path)
+}
+
 /// A file to be written, found to be writable.
 #[derive(Debug)]
 pub struct Target {

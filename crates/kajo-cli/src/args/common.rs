@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kajo::{Dialect, LARGEST_TILE, LoadOptions, MOST_THREADS, ModelOptions, Resources, UpAxis};
+use kajo::{
+    Dialect, LARGEST_TILE, LoadOptions, MOST_THREADS, ModelOptions, Resources, TextureFolder, UpAxis,
+};
 
 use super::values;
 
@@ -24,7 +26,38 @@ pub struct SceneArgs {
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     #[command(flatten)]
+    pub textures: TextureArgs,
+    #[command(flatten)]
     pub model: ModelArgs,
+}
+
+/// How pictures on surfaces are kept.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Pictures on surfaces")]
+pub struct TextureArgs {
+    /// Memory for pictures, in MB, of which what is seen is read from tiled copies; by default whole pictures are kept for as long as there is room
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..))]
+    pub texture_memory: Option<u32>,
+    #[command(flatten)]
+    pub folder: TextureFolderArgs,
+}
+
+/// Where tiled copies are.
+#[derive(Args, Clone, Debug, Default)]
+pub struct TextureFolderArgs {
+    /// The folder of tiled copies; by default that of KAJO_TEXTURES, or one among the caches of the user
+    #[arg(long, value_name = "DIR")]
+    pub texture_folder: Option<PathBuf>,
+}
+
+impl TextureFolderArgs {
+    /// The folder; `None` where there is none.
+    ///
+    /// * `memory`: as [`TextureFolder::memory`]
+    pub fn folder(&self, memory: Option<u64>) -> Option<TextureFolder> {
+        let folder = self.texture_folder.clone().or_else(TextureFolder::of_user)?;
+        Some(TextureFolder { folder, memory })
+    }
 }
 
 /// How a model that is no scene is shown.
@@ -47,6 +80,10 @@ impl SceneArgs {
             folders: self.assets.clone(),
             allow_outside: self.allow_outside,
             camera: self.camera.clone(),
+            textures: self
+                .textures
+                .folder
+                .folder(self.textures.texture_memory.map(|megabytes| u64::from(megabytes) * 1_000_000)),
             model: ModelOptions { up: self.model.up, ground: self.model.ground },
             ..LoadOptions::default()
         }

@@ -15,6 +15,7 @@ mod normalise;
 mod passes;
 mod render;
 mod selftest;
+mod texture;
 mod values;
 mod workers;
 
@@ -27,7 +28,7 @@ use clap_complete::Shell;
 pub use bench::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs, RaysArgs, WhittedArgs};
 pub use btf::{BtfArgs, BtfCommand, BtfCompressArgs, BtfInfoArgs, BtfKeptArgs, BtfMakeArgs};
 pub use classic::ClassicArgs;
-pub use common::{ModelArgs, RunArgs, SceneArgs};
+pub use common::{ModelArgs, RunArgs, SceneArgs, TextureFolderArgs};
 pub use develop::DevelopArgs;
 pub use farm::{BundleArgs, FarmCommand, FarmCommandArgs, MergeArgs, PlanArgs, UnitArgs, WorkerArgs};
 pub use frames::{FrameArgs, Frames, has_number, numbered, range};
@@ -35,6 +36,7 @@ pub use normalise::normalise;
 pub use passes::PassArgs;
 pub use render::RenderArgs;
 pub use selftest::SelftestArgs;
+pub use texture::{TextureCommand, TextureCommandArgs, TextureMakeArgs};
 pub use workers::{FarmArgs, Workers};
 
 const EXAMPLES: &str = "\
@@ -103,6 +105,8 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Make textures that depend on view and light
     Btf(BtfArgs),
+    /// Make tiled copies of pictures before they are needed, list them, remove them
+    Texture(TextureCommandArgs),
     /// Compare two pictures
     #[command(allow_negative_numbers = true)]
     Diff(DiffArgs),

@@ -9,6 +9,7 @@ mod help;
 mod info;
 mod selftest;
 mod studio;
+mod texture;
 
 use std::path::Path;
 
@@ -24,6 +25,7 @@ pub use help::help;
 pub use info::info;
 pub use selftest::selftest;
 pub use studio::{alone, studio};
+pub use texture::texture;
 
 use crate::args::{CheckArgs, Cli, RunArgs};
 use crate::console;

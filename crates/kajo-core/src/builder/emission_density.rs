@@ -1,7 +1,7 @@
 //! Tables of what patches emit that do not emit the same everywhere, for points to be drawn by and lights to be chosen by.
 
 use kajo_color::{Emission, Wavelengths};
-use kajo_math::{DAffine3, Vec2, Vec3};
+use kajo_math::{Affine3, DAffine3, Vec2, Vec3};
 
 use super::SceneBuilder;
 use crate::emission::{Leaving, VariedEmission};
@@ -44,7 +44,9 @@ impl EmissivePatch<'_> {
         let first = shapes.uv_at(self.shape, &hit, own);
         let second = shapes.second_uv_at(self.shape, &hit, own).unwrap_or(first);
         let (uv, tint) = (SurfaceUv { first, second }, shapes.color_at(self.shape, &hit));
-        TextureContext { p, uv, tint, ..TextureContext::default() }
+        let DAffine3 { matrix3, translation } = self.object_from_world;
+        let object_from_world = Affine3 { matrix3: matrix3.as_mat3(), translation: translation.as_vec3() };
+        TextureContext { p, uv, tint, object_from_world, ..TextureContext::default() }
     }
 
     fn luminance(&self, builder: &SceneBuilder, at: Vec2) -> f32 {

@@ -48,6 +48,7 @@ mod operands;
 mod operations;
 mod part;
 mod paths;
+mod picture_sequence;
 mod picture_values;
 mod pictures;
 mod scale;
@@ -63,6 +64,7 @@ pub use self::blocks::animation::LAST_FRAME;
 pub use self::blocks::{block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
 pub use self::operations::OPERATIONS;
+pub use self::pictures::tile_picture;
 pub use self::settings::BLOCK as SETTINGS;
 pub use self::transform::operations_matrix;
 
@@ -82,6 +84,7 @@ use crate::material::MaterialId;
 use crate::scene::{Output, Scene};
 use crate::settings::{Dialect, Rules, Settings};
 use crate::shape::{AnyShape, ShapeId};
+use crate::texture::TiledCopies;
 
 /// What the compiler is told besides the text.
 #[derive(Clone, Debug, Default)]
@@ -105,6 +108,8 @@ pub struct CompileOptions {
     pub fps: Option<f64>,
     /// Meshes that need not be read again. The same store is for the same limits and the same way to build.
     pub meshes: Option<Arc<MeshStore>>,
+    /// Where large pictures are kept that are not to be in memory as a whole; without it all are.
+    pub tiled: Option<TiledCopies>,
     /// Names that `integrator` may say. The compiler itself knows none: integrators are made of scenes.
     pub integrators: &'static [&'static str],
 }
@@ -402,6 +407,8 @@ mod model_tests;
 mod motion_tests;
 #[cfg(test)]
 mod nesting_tests;
+#[cfg(test)]
+mod object_space_tests;
 #[cfg(test)]
 mod shading_tests;
 #[cfg(test)]

@@ -9,6 +9,7 @@
 //! roughness bark { range 0.4 0.8 }
 //! emission slide.png 5
 //! emission slide.png { light blackbody 3200 5 }
+//! color "waves.####.png"
 //! ```
 //!
 //! A name that ends as those of pictures do is one; other names are those of `Textures`. Whole numbers of a colour are values for a screen unless `encoding`
@@ -24,20 +25,28 @@ use kajo_color::Reflectance;
 use kajo_image::{DecodeLimits, Decoded, Format, ImageError};
 use kajo_math::Vec2;
 use kajo_scene::{
-    Args, AssetFile, Assets, Diagnostic, Diagnostics, Item, MemoryBudget, Params, read_limited,
+    Args, AssetFile, Assets, Diagnostic, Diagnostics, Item, MemoryBudget, Params, Reopen, read_limited,
 };
 
 use super::CompileOptions;
 use super::named_texture::{self, NamedTexture, TextureNames, is_spectrum};
+use super::picture_sequence::PictureSequence;
 use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{
     AnyFloatNode, Channel, ColorTexture, Encoding, Expression, FloatTexture, Picture, PictureChannel,
-    PictureMap, Remapped, TexelFilter, Textures, Wrap,
+    PictureMap, Remapped, TexelFilter, Textures, TiledCopies, Tiling, Wrap,
 };
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
-pub(super) type PictureCache = HashMap<(String, Option<Encoding>), Option<Arc<Picture>>>;
+#[derive(Default)]
+pub(super) struct PictureCache {
+    pictures: HashMap<(String, Option<Encoding>), Option<Arc<Picture>>>,
+    /// Bytes of those in memory.
+    resident: u64,
+    /// Whether the memory of the cache of tiles has been taken.
+    has_tiles: bool,
+}
 
 /// Endings of pictures that people have and this program does not read.
 const FOREIGN: [&str; 7] = ["avif", "dds", "gif", "ktx", "ktx2", "tif", "tiff"];
@@ -45,12 +54,36 @@ const FOREIGN: [&str; 7] = ["avif", "dds", "gif", "ktx", "ktx2", "tif", "tiff"];
 /// Endings of pictures that are read and not written.
 const READ_ONLY: [&str; 3] = ["jpeg", "jpg", "webp"];
 
+const ENCODINGS: [(&str, Encoding); 2] = [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
+
+const FILTERS: [(&str, TexelFilter); 8] = [
+    ("bicubic", TexelFilter::Bicubic),
+    ("bilinear", TexelFilter::Bilinear),
+    ("ewa", TexelFilter::Ewa),
+    ("feline", TexelFilter::Feline),
+    ("nearest", TexelFilter::Nearest),
+    ("sat", TexelFilter::Sat),
+    ("stochastic", TexelFilter::Stochastic),
+    ("trilinear", TexelFilter::Trilinear),
+];
+
+const WRAPS: [(&str, Wrap); 5] = [
+    ("black", Wrap::Black),
+    ("clamp", Wrap::Clamp),
+    ("mirror", Wrap::Mirror),
+    ("once", Wrap::Once),
+    ("repeat", Wrap::Repeat),
+];
+
+const TILINGS: [(&str, Tiling); 2] = [("random", Tiling::Random), ("regular", Tiling::Regular)];
+
 /// Reads pictures, each once.
 pub(super) struct PictureReader<'a> {
     assets: &'a dyn Assets,
     /// Bytes of the largest file.
     limit: u64,
     memory: &'a MemoryBudget,
+    tiled: Option<&'a TiledCopies>,
     cache: &'a mut PictureCache,
 }
 
@@ -240,7 +273,7 @@ impl<'a> PictureReader<'a> {
         cache: &'a mut PictureCache,
     ) -> PictureReader<'a> {
         let (limit, memory) = (options.limits.picture_bytes, &options.limits.memory);
-        PictureReader { assets, limit, memory, cache }
+        PictureReader { assets, limit, memory, tiled: options.tiled.as_ref(), cache }
     }
 }
 
@@ -272,41 +305,28 @@ impl PictureReader<'_> {
     ) -> Option<((PictureMap, U), T)> {
         if !item.has_block() {
             let (name, after) = Args::read(item, diagnostics, read_name)?;
-            let picture = self.named(item, &name, encoding, diagnostics)?;
+            let picture = self.at_frame(item, &name, PictureSequence::default(), encoding, diagnostics)?;
             return Some(((PictureMap::new(picture), after), T::default()));
         }
         let mut params = Params::new(item, diagnostics);
         let name = params.own(read_name);
-        const ENCODINGS: [(&str, Encoding); 2] = [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
         let encoding = params.optional("encoding", |args| args.choice(&ENCODINGS)).or(encoding);
-        const FILTERS: [(&str, TexelFilter); 8] = [
-            ("bicubic", TexelFilter::Bicubic),
-            ("bilinear", TexelFilter::Bilinear),
-            ("ewa", TexelFilter::Ewa),
-            ("feline", TexelFilter::Feline),
-            ("nearest", TexelFilter::Nearest),
-            ("sat", TexelFilter::Sat),
-            ("stochastic", TexelFilter::Stochastic),
-            ("trilinear", TexelFilter::Trilinear),
-        ];
         let filter = params.or("filter", TexelFilter::default(), |args| args.choice(&FILTERS));
-        const WRAPS: [(&str, Wrap); 5] = [
-            ("black", Wrap::Black),
-            ("clamp", Wrap::Clamp),
-            ("mirror", Wrap::Mirror),
-            ("once", Wrap::Once),
-            ("repeat", Wrap::Repeat),
-        ];
         let wrap = params.or("wrap", Wrap::default(), |args| args.choice(&WRAPS));
+        let tiling = params.or("tiling", Tiling::default(), |args| args.choice(&TILINGS));
+        if tiling == Tiling::Random && wrap != Wrap::Repeat {
+            params.refuse("tiling", "beside a `wrap` other than `repeat`");
+        }
         let repeat = params.or("repeat", Vec2::ONE, |args| match args.numbers_left() {
             1 => args.number().map(Vec2::splat),
             _ => args.vec2(),
         });
         let offset = params.or("offset", Vec2::ZERO, Args::vec2);
         let more = more(&mut params);
+        let sequence = PictureSequence::read(name.as_ref().map(|(name, _)| &**name), &mut params);
         params.finish();
         let (name, after) = name?;
-        let picture = self.named(item, &name, encoding, diagnostics)?;
+        let picture = self.at_frame(item, &name, sequence, encoding, diagnostics)?;
         // The smaller copies are made once for all that ask for them.
         if let Err(over) = self.memory.take(picture.preparation(filter)) {
             let error = Diagnostic::error(format!("cannot filter `{name}`: {over}"));
@@ -314,8 +334,26 @@ impl PictureReader<'_> {
             return None;
         }
         picture.prepare(filter);
-        let map = PictureMap { wrap: [wrap; 2], filter, repeat, offset, ..PictureMap::new(picture) };
+        let map = PictureMap { wrap: [wrap; 2], tiling, filter, repeat, offset, ..PictureMap::new(picture) };
         Some(((map, after), more))
+    }
+
+    /// The picture of a name at the frame of the scene.
+    fn at_frame(
+        &mut self,
+        item: Item<'_>,
+        name: &str,
+        sequence: PictureSequence,
+        encoding: Option<Encoding>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Arc<Picture>> {
+        match sequence.name_at(name, item.desc().clock()) {
+            Ok(name) => self.named(item, &name, encoding, diagnostics),
+            Err(error) => {
+                diagnostics.push(error.label(item.head_span(), "named here"));
+                None
+            }
+        }
     }
 
     /// The picture of a name in the scene; one that cannot be read is an error.
@@ -353,42 +391,117 @@ impl PictureReader<'_> {
     pub fn picture(&mut self, name: &str, from: &str, encoding: Option<Encoding>) -> ReadPicture {
         let file = self.assets.open(name, from).map_err(|error| Problem::Unreadable(error.to_string()))?;
         let (key, limit, memory) = ((file.path.clone(), encoding), self.limit, self.memory);
-        self.cached(key, || read_picture(file, format_of(name), limit, memory))
+        let copies = self.tiled.zip(file.reopen.clone()).zip(file.stamp);
+        let copies = copies.map(|((copies, source), stamp)| Copies { copies, source, encoding, stamp });
+        self.cached(key, copies, || read_picture(file, format_of(name), limit, memory))
     }
 
     /// The picture of bytes that another file holds, under a name of its own.
     pub fn held(&mut self, bytes: &[u8], name: &str, encoding: Option<Encoding>) -> ReadPicture {
         let memory = self.memory;
-        self.cached((name.to_owned(), encoding), || decode(bytes, None, memory))
+        self.cached((name.to_owned(), encoding), None, || decode(bytes, None, memory))
     }
 
+    /// * `copies`: where its tiled copy is, if it may have one
     fn cached(
         &mut self,
         key: (String, Option<Encoding>),
+        copies: Option<Copies<'_>>,
         read: impl FnOnce() -> Result<Decoded, String>,
     ) -> ReadPicture {
-        match self.cache.get(&key) {
+        match self.cache.pictures.get(&key) {
             Some(Some(known)) => return Ok((Arc::clone(known), None)),
             Some(None) => return Err(Problem::Unreadable("it could not be read before".to_owned())),
             None => {}
         }
-        let encoding = key.1;
-        let read = read().and_then(|decoded| {
-            // The texels are kept; until they are made there are the floats of the file, too.
-            let pixels = u64::from(decoded.image.width()) * u64::from(decoded.image.height());
-            let floats = size_of_val(decoded.image.data()) as u64;
-            let _floats = self.memory.share(floats).map_err(|over| over.to_string())?;
-            self.memory.take(pixels * size_of::<[u16; 4]>() as u64).map_err(|over| over.to_string())?;
-            Ok(decoded)
-        });
-        let read = read.map_err(Problem::Unreadable).map(|decoded| {
-            let whole = if decoded.depth.is_some() { Encoding::Srgb } else { Encoding::Linear };
-            let (picture, outside) = Picture::new(&decoded.image, encoding.unwrap_or(whole));
+        let tiled = copies.as_ref().and_then(|copies| self.in_tiles(copies));
+        let read = match tiled {
+            Some(tiled) => tiled,
+            None => read().and_then(|decoded| self.made(&decoded, key.1, copies)),
+        };
+        let read = read.map_err(Problem::Unreadable).map(|(picture, outside)| {
             (Arc::new(picture), (outside > 0).then_some(Problem::Outside(outside)))
         });
-        self.cache.insert(key, read.as_ref().ok().map(|(picture, _)| Arc::clone(picture)));
+        self.cache.pictures.insert(key, read.as_ref().ok().map(|(picture, _)| Arc::clone(picture)));
         read
     }
+
+    /// The picture of a tiled copy, where there is one and it is wanted.
+    fn in_tiles(&mut self, copies: &Copies<'_>) -> Option<Result<(Picture, usize), String>> {
+        let Copies { copies, source, encoding, stamp } = copies;
+        let (picture, outside) = copies.open(source, *encoding, *stamp).ok()?;
+        let [width, height] = picture.size();
+        let is_wanted = copies.rule.wants(self.cache.resident, Picture::bytes(width, height));
+        is_wanted.then(|| self.take_tiles(copies).map(|()| (picture, outside)))
+    }
+
+    /// The picture of a file, in memory or in tiles.
+    fn made(
+        &mut self,
+        decoded: &Decoded,
+        encoding: Option<Encoding>,
+        copies: Option<Copies<'_>>,
+    ) -> Result<(Picture, usize), String> {
+        // Until the texels are made there are the floats of the file, too.
+        let floats = size_of_val(decoded.image.data()) as u64;
+        let _floats = self.memory.share(floats).map_err(|over| over.to_string())?;
+        let bytes = Picture::bytes(decoded.image.width(), decoded.image.height());
+        let mut texels = self.memory.share(bytes).map_err(|over| over.to_string())?;
+        let whole = if decoded.depth.is_some() { Encoding::Srgb } else { Encoding::Linear };
+        let used = encoding.unwrap_or(whole);
+        let (picture, outside) = Picture::new(&decoded.image, used);
+        let copies = copies.filter(|copies| copies.copies.rule.wants(self.cache.resident, bytes));
+        if let Some(Copies { copies, source, stamp, .. }) = copies {
+            copies
+                .make(&picture, &source, (encoding, used), (stamp, outside))
+                .map_err(|error| format!("its tiled copy cannot be written: {error}"))?;
+            drop((picture, texels));
+            self.take_tiles(copies)?;
+            return copies.open(&source, encoding, stamp).map_err(|error| format!("its tiled copy: {error}"));
+        }
+        texels.keep(bytes).map_err(|over| over.to_string())?;
+        self.cache.resident += bytes;
+        Ok((picture, outside))
+    }
+
+    /// Takes the memory of the tiles that are kept, once.
+    fn take_tiles(&mut self, copies: &TiledCopies) -> Result<(), String> {
+        if !std::mem::replace(&mut self.cache.has_tiles, true) {
+            self.memory.take(copies.cache.limit()).map_err(|over| format!("the cache of tiles: {over}"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Where the tiled copy of a file is.
+struct Copies<'a> {
+    copies: &'a TiledCopies,
+    source: Reopen,
+    /// What its colours are said to mean.
+    encoding: Option<Encoding>,
+    stamp: u64,
+}
+
+/// Makes the tiled copy of a picture unless there is one; answers its size in texels.
+///
+/// * `options`: with [`CompileOptions::tiled`]
+/// * `encoding`: what its colours are said to mean
+///
+/// # Errors
+/// Why it cannot be made, in words that complete "cannot make a copy of `x`: ...".
+pub fn tile_picture(
+    name: &str,
+    assets: &dyn Assets,
+    options: &CompileOptions,
+    encoding: Option<Encoding>,
+) -> Result<[u32; 2], String> {
+    let mut cache = PictureCache::default();
+    let read = PictureReader::new(assets, options, &mut cache).picture(name, "", encoding);
+    let (picture, _) = read.map_err(|problem| problem.to_string())?;
+    if cache.resident > 0 {
+        return Err("it is small, and always in memory as a whole".to_owned());
+    }
+    Ok(picture.size())
 }
 
 /// A picture, and what is wrong with it when it is read for the first time.
@@ -715,8 +828,55 @@ mod tests {
     }
 
     #[test]
+    fn sequences_show_the_picture_of_the_frame() {
+        let color = |frame: i64, picture: &str| {
+            let image = |v: f32| {
+                encode(&Image::filled(1, 1, &[v]).unwrap(), Format::Png, &EncodeOptions::default()).unwrap()
+            };
+            let assets = (1..4).fold(MemoryAssets::new(), |assets, n| {
+                assets.with(&format!("a.00{n}.png"), image(n as f32 / 3.0))
+            });
+            let text = format!(
+                "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
+                 Materials {{ Matte {{ color {picture} }} }} Group {{ MaterialIndex 0 {SQUARE} }}"
+            );
+            let mut parsed = SceneDesc::parse_str(&text);
+            parsed.desc.set_clock(kajo_scene::Clock::new(24.0, 1, frame));
+            let mut said = Diagnostics::default();
+            let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut said);
+            let said: Vec<_> = said.iter().map(|d| d.message.clone()).collect();
+            scene
+                .map(|scene| {
+                    let event = scene.trace(&Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z));
+                    let at = event.surface().expect("the ray meets the square");
+                    scene.appearance.phong(at.material, &scene.texture_context(at)).diffuse.to_rgb()[0]
+                })
+                .ok_or_else(|| said.join("; "))
+        };
+        let name = "\"a.###.png\"";
+        let linear = format!("{name} {{ encoding linear }}");
+        for n in 1..4 {
+            let found = color(n, &linear).unwrap();
+            assert!((found - n as f32 / 3.0).abs() < 2e-3, "{n}: {found}");
+        }
+        assert!(color(4, name).unwrap_err().contains("`a.004.png`"));
+        let cycled = format!("{name} {{ encoding linear  frames 1 3  cycle on }}");
+        assert_eq!(color(5, &cycled), color(2, &linear));
+        let held = format!("{name} {{ encoding linear  frames 1 3 }}");
+        assert_eq!(color(99, &held), color(3, &linear));
+        for (picture, message) in [
+            (format!("{name} {{ frames 3 1 }}"), "first frame"),
+            (format!("{name} {{ cycle on }}"), "without `frames`"),
+            ("\"a.###.00#.png\"".to_owned(), "two places"),
+        ] {
+            let error = color(1, &picture).unwrap_err();
+            assert!(error.contains(message), "{picture}: {error}");
+        }
+    }
+
+    #[test]
     fn a_file_is_read_once() {
-        let (assets, mut cache) = (assets(), PictureCache::new());
+        let (assets, mut cache) = (assets(), PictureCache::default());
         let options = CompileOptions::default();
         let mut reader = PictureReader::new(&assets, &options, &mut cache);
         let mut read = |name, from, encoding| reader.picture(name, from, encoding).map(|read| read.0).ok();

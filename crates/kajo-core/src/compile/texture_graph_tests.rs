@@ -4,7 +4,7 @@ use kajo_color::Wavelengths;
 use kajo_math::pattern::{
     Brick, Clouds, Octaves, Onion, SolidPattern, TurbulentWarp, Wave, Worley, WorleyValue,
 };
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Affine3, Vec2, Vec3};
 use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
 use super::blocks::TEXTURES;
@@ -224,11 +224,15 @@ fn slopes_are_derivatives() {
     ];
     for projection in ["uv", "planar", "cylindrical", "cubic", "triplanar"] {
         graphs.push(format!("Placed t {{ texture c  size 0.7  projection {projection} }}"));
+        graphs.push(format!("Placed t {{ texture c  size 0.7  space object  projection {projection} }}"));
     }
+    graphs.push("Placed t { texture c  space object  Transform { XRotate 30  Scale 1 3 0.7 } }".to_owned());
     for graph in graphs {
         let shown = shown(&format!("{graph} {clouds}"));
         for p in points() {
-            let at = context(p);
+            let object_from_world =
+                Affine3::from_rotation_z(0.6) * Affine3::from_scale(Vec3::new(0.5, 0.8, 1.2));
+            let at = TextureContext { object_from_world, ..context(p) };
             let TextureSlope { uv, p: slope } = shown.slope(&at);
             let h = 2e-3;
             let by = |step: Vec3| {

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use kajo_color::{Reflectance, Spectrum, Wavelengths, dispersion::Dispersion, named};
 use kajo_image::Image;
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Affine3, Vec2, Vec3};
 
 use super::{Census, Draw, Furnace, Who};
 use crate::Pooled;
@@ -34,6 +34,7 @@ const PLACE: TextureContext = TextureContext {
     n: Vec3::Z,
     time: 0.0,
     footprint: TextureFootprint::POINT,
+    object_from_world: Affine3::IDENTITY,
 };
 
 /// Numbers that choose among the parts of a mixture.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use kajo_bvh::BuildSettings;
-use kajo_math::{Aabb, Transform, Vec2, Vec3, Vec4};
+use kajo_math::{Aabb, Affine3, Affine3A, Transform, Vec2, Vec3, Vec4};
 
 use super::accel::Aggregate;
 use super::event::Interaction;
@@ -238,6 +238,33 @@ impl Geometry {
     /// * `p`: where it is at a ray's time
     pub(crate) fn at_opening(&self, (shape, part): (ShapeId, u32), p: Vec3, time: f32) -> Vec3 {
         self.shapes.part_motion(shape, part).map_or(p, |motion| motion.carried(p, [time, 0.0]))
+    }
+
+    /// The normal at [`Geometry::pattern_point`].
+    #[inline]
+    pub(crate) fn pattern_normal(&self, at: &Interaction) -> Vec3 {
+        let n = at.point.n;
+        if self.motions.is_empty() {
+            return n;
+        }
+        match self.motion_of(at.object) {
+            None => n,
+            Some(motion) => motion.painted_normal(self.part_motion(motion, at), n, at.time),
+        }
+    }
+
+    /// From the space of [`Geometry::pattern_point`] to that in which the shape of an interaction is written.
+    pub(crate) fn pattern_frame(&self, at: &Interaction) -> Affine3 {
+        let map = match self.primitives.get(at.object.index()) {
+            Some(&Primitive { pose, .. }) => match self.motion(pose) {
+                Some(motion) => motion.object_from_painted(),
+                None => self.transform_at(pose, at.time, |map| map.object_from_world),
+            },
+            None => self
+                .leaf(at.object)
+                .map_or(Affine3A::IDENTITY, |leaf| leaf.world_from_object().object_from_world),
+        };
+        Affine3::from(map)
     }
 
     /// The colour of the corners around an interaction with a mesh that has some.

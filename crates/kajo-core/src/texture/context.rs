@@ -1,7 +1,7 @@
 //! Where textures are evaluated.
 
 use kajo_color::{Spectrum, Wavelengths};
-use kajo_math::{Vec3, Vec4};
+use kajo_math::{Affine3, Vec3, Vec4};
 
 use super::rgb::rgb_reflectance;
 use super::{SurfaceUv, TextureFootprint};
@@ -20,6 +20,9 @@ pub struct TextureContext {
     pub n: Vec3,
     /// Moment within the shutter interval.
     pub time: f32,
+    /// From the space of `p` to that in which the fields of the shape are written; of effect where
+    /// [`super::Textures::wants_object_space`].
+    pub object_from_world: Affine3,
     /// What a sample covers; that of a point unless [`crate::material::Appearance::has_filters`].
     pub footprint: TextureFootprint,
 }

@@ -1,6 +1,6 @@
 //! Where on a texture a point is: placement, projection, warp.
 //!
-//! A point of the world is taken by an affine map to the space of the texture, `q = M p`, there projected onto a sheet where the texture is
+//! A point of the world, or of the space of its object, is taken by an affine map to the space of the texture, `q = M p`, there projected onto a sheet where the texture is
 //! to be laid like a picture, divided by the size of a unit, and at last moved by turbulence:
 //!
 //! ```text
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::pattern::TurbulentWarp;
-use kajo_math::{Affine3A, Vec2, Vec3, Vec3A, fmath};
+use kajo_math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, fmath};
 
 use super::{
     AnyTexture, ColorNode, ColorTexture, FloatNode, FloatTexture, SurfaceUv, TextureContext, TextureDetail,
@@ -49,11 +49,23 @@ pub enum Projection {
     },
 }
 
+/// What a texture is placed in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureSpace {
+    /// The world: things that are moved elsewhere lie elsewhere in the texture.
+    #[default]
+    World,
+    /// That in which the fields of the shape are written: the texture goes where its operations take the thing.
+    Object,
+}
+
 /// Where on a texture a point is.
 #[derive(Clone, Copy, Debug)]
 pub struct Mapping {
-    /// From the world to the space of the texture.
-    pub texture_from_world: Affine3A,
+    /// What it is placed in.
+    pub space: TextureSpace,
+    /// From there to the space of the texture.
+    pub texture_from_space: Affine3A,
     /// How its points become places of the texture.
     pub projection: Projection,
     /// Length of the texture's unit, above 0.
@@ -67,7 +79,8 @@ pub struct Mapping {
 impl Default for Mapping {
     fn default() -> Mapping {
         Mapping {
-            texture_from_world: Affine3A::IDENTITY,
+            space: TextureSpace::World,
+            texture_from_space: Affine3A::IDENTITY,
             projection: Projection::Solid,
             size: 1.0,
             warp: None,
@@ -106,7 +119,7 @@ impl Mapping {
         };
         let has_size = self.size.is_finite() && self.size > 0.0;
         let warp = self.warp.as_ref().is_none_or(TurbulentWarp::is_finite);
-        self.texture_from_world.is_finite() && is_angle && has_size && warp
+        self.texture_from_space.is_finite() && is_angle && has_size && warp
     }
 
     fn needs_uv(&self, part: impl FnOnce() -> bool) -> bool {
@@ -117,9 +130,18 @@ impl Mapping {
         }
     }
 
+    /// From the world to the space of the texture.
+    #[inline]
+    fn texture_from_world(&self, at: &TextureContext) -> Affine3A {
+        match self.space {
+            TextureSpace::World => self.texture_from_space,
+            TextureSpace::Object => self.texture_from_space * Affine3A::from(at.object_from_world),
+        }
+    }
+
     /// Length in the world of the texture's unit, about.
-    fn unit(&self) -> f32 {
-        let stretch = self.texture_from_world.matrix3;
+    fn unit(&self, at: &TextureContext) -> f32 {
+        let stretch = self.texture_from_world(at).matrix3;
         let [x, y, z] = [stretch.x_axis, stretch.y_axis, stretch.z_axis].map(Vec3A::length);
         let unit = self.size / x.max(y).max(z);
         match self.projection {
@@ -129,10 +151,9 @@ impl Mapping {
         }
     }
 
-    /// A normal of the world in the texture's space; where there is none, the direction from the middle to `q` stands for it.
-    fn normal(&self, n: Vec3, q: Vec3) -> Vec3 {
+    /// A normal in the texture's space, by the map `m` to it; where there is none, the direction from the middle to `q` stands for it.
+    fn normal(m: &Mat3A, n: Vec3, q: Vec3) -> Vec3 {
         // Normals go by the inverse transpose: by cross products of the columns.
-        let m = self.texture_from_world.matrix3;
         let cofactors = [m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)];
         let sum = cofactors.into_iter().zip(n.to_array()).fold(Vec3A::ZERO, |sum, (c, n)| sum + n * c);
         let n = Vec3::from(if m.determinant() < 0.0 { -sum } else { sum }).normalize_or_zero();
@@ -142,10 +163,10 @@ impl Mapping {
     /// Calls `f` with every place of the texture that has a share in a point, and with that share.
     #[inline]
     fn each(&self, at: &TextureContext, mut f: impl FnMut(&TextureContext, f32)) {
-        let map = &self.texture_from_world;
+        let map = self.texture_from_world(at);
         let q = map.transform_point3(at.p);
         let dq = at.footprint.p.map(|dp| map.transform_vector3(dp));
-        let normal = || self.normal(at.n, q);
+        let normal = || Mapping::normal(&map.matrix3, at.n, q);
         let mut sheet = |uv: Vec2, duv: [Vec2; 2], share: f32| {
             let c = self.settled(uv.extend(0.0), duv.map(|d| d.extend(0.0)), at);
             let uv = SurfaceUv::from(c.p.truncate());
@@ -249,6 +270,10 @@ impl FloatNode for MappedFloat {
         self.mapping.is_filtered && self.mapping.warp.is_some()
     }
 
+    fn wants_object_space(&self) -> bool {
+        self.mapping.space == TextureSpace::Object
+    }
+
     fn needs_uv(&self, textures: &Textures) -> bool {
         self.mapping.needs_uv(|| self.texture.needs_uv(textures))
     }
@@ -264,18 +289,19 @@ impl FloatNode for MappedFloat {
     }
 
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {
-        let Mapping { texture_from_world, projection, size, warp, .. } = &*self.mapping;
+        let Mapping { projection, size, warp, .. } = &*self.mapping;
         let value = |at: &TextureContext| self.value(textures, at);
         match projection {
             Projection::Solid if warp.is_none() => {
                 let mut found = TextureSlope::default();
                 self.mapping.each(at, |at, _| found = self.texture.slope(textures.evaluator(at), factor));
                 // By the chain rule: the transpose of the map takes gradients back.
-                let p = texture_from_world.matrix3.transpose() * Vec3A::from(found.p / *size);
+                let p =
+                    self.mapping.texture_from_world(at).matrix3.transpose() * Vec3A::from(found.p / *size);
                 TextureSlope { p: p.into(), ..found }
             }
             Projection::Uv(_) => TextureSlope::on_surface(at, size / 256.0, factor, value),
-            _ => TextureSlope::over(at, self.mapping.unit() / 256.0, factor, value),
+            _ => TextureSlope::over(at, self.mapping.unit(at) / 256.0, factor, value),
         }
     }
 
@@ -312,6 +338,10 @@ impl ColorNode for MappedColor {
 
     fn wants_footprint(&self) -> bool {
         self.mapping.is_filtered && self.mapping.warp.is_some()
+    }
+
+    fn wants_object_space(&self) -> bool {
+        self.mapping.space == TextureSpace::Object
     }
 
     fn color_needs_uv(&self, textures: &Textures) -> bool {

@@ -35,12 +35,15 @@ pub use coordinates::UvSet;
 pub use expression::Expression;
 pub use footprint::TextureFootprint;
 pub use knots::{Interpolation, Knots};
-pub use mapping::{MappedColor, MappedFloat, Mapping, Projection};
+pub use mapping::{MappedColor, MappedFloat, Mapping, Projection, TextureSpace};
 pub use marble::Marble;
 pub use noise::Noise;
 pub use operations::{Complement, Remapped};
 pub use pattern::PatternNode;
-pub use picture::{Encoding, Picture, PictureMap, TexelFilter, TextureDetail, Wrap};
+pub use picture::{
+    Encoding, Picture, PictureMap, ReadAt, TILED_EXTENSION, TexelFilter, TextureDetail, TileCache, TileFiles,
+    TiledCopies, TiledError, Tiling, TilingRule, Wrap,
+};
 pub use placed::Placed;
 pub use ramp::{Colors, Curve, Cycle, Grey, Lightness, Ramp};
 pub use slope::TextureSlope;
@@ -72,6 +75,11 @@ pub trait FloatNode {
 
     /// Whether what it answers depends on [`TextureContext::footprint`], parts left out.
     fn wants_footprint(&self) -> bool {
+        false
+    }
+
+    /// Whether what it answers depends on [`TextureContext::object_from_world`], parts left out.
+    fn wants_object_space(&self) -> bool {
         false
     }
 
@@ -144,6 +152,8 @@ family! {
         fn parts() -> Vec<AnyTexture<'_>>;
         /// See [`FloatNode::wants_footprint`].
         fn wants_footprint() -> bool;
+        /// See [`FloatNode::wants_object_space`].
+        fn wants_object_space() -> bool;
         /// See [`FloatNode::prepare`].
         fn prepare() -> ();
     }
@@ -176,6 +186,11 @@ pub trait ColorNode {
 
     /// Whether what it answers depends on [`TextureContext::footprint`], parts left out.
     fn wants_footprint(&self) -> bool {
+        false
+    }
+
+    /// Whether what it answers depends on [`TextureContext::object_from_world`], parts left out.
+    fn wants_object_space(&self) -> bool {
         false
     }
 
@@ -223,6 +238,8 @@ family! {
         fn is_finite() -> bool;
         /// See [`ColorNode::wants_footprint`].
         fn wants_footprint() -> bool;
+        /// See [`ColorNode::wants_object_space`].
+        fn wants_object_space() -> bool;
         /// See [`ColorNode::prepare`].
         fn prepare() -> ();
     }
@@ -250,6 +267,7 @@ pub struct Textures {
     /// Colours.
     pub colors: ColorNodes,
     wants_footprint: bool,
+    wants_object_space: bool,
 }
 
 impl Textures {
@@ -257,6 +275,7 @@ impl Textures {
     pub fn float(&mut self, node: impl Into<AnyFloatNode>) -> Option<FloatTexture> {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
+        self.wants_object_space |= node.wants_object_space();
         node.prepare();
         node.store(&mut self.floats).map(FloatTexture::Node)
     }
@@ -265,6 +284,7 @@ impl Textures {
     pub fn color(&mut self, node: impl Into<AnyColorNode>) -> Option<ColorTexture> {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
+        self.wants_object_space |= node.wants_object_space();
         node.prepare();
         node.store(&mut self.colors).map(ColorTexture::Node)
     }
@@ -272,6 +292,11 @@ impl Textures {
     /// Whether what any node answers depends on [`TextureContext::footprint`].
     pub fn wants_footprint(&self) -> bool {
         self.wants_footprint
+    }
+
+    /// Whether what any node answers depends on [`TextureContext::object_from_world`].
+    pub fn wants_object_space(&self) -> bool {
+        self.wants_object_space
     }
 
     /// What textures are evaluated by at a point.

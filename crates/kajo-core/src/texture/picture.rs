@@ -21,6 +21,8 @@ mod filter;
 mod filter_tests;
 mod pyramid;
 mod sums;
+mod tiled;
+mod tiling;
 mod wrap;
 
 use std::sync::{Arc, OnceLock};
@@ -33,8 +35,11 @@ use super::rgb::rgb_reflectance;
 use super::{ColorNode, SurfaceUv, TextureContext, Textures, UvSet};
 use pyramid::Pyramid;
 use sums::SummedAreaTable;
+use tiled::TiledPicture;
 
 pub use filter::TexelFilter;
+pub use tiled::{ReadAt, TILED_EXTENSION, TileCache, TileFiles, TiledCopies, TiledError, TilingRule};
+pub use tiling::Tiling;
 pub use wrap::Wrap;
 
 /// What the colours of a file mean.
@@ -51,13 +56,22 @@ pub enum Encoding {
 pub struct Picture {
     width: u32,
     height: u32,
-    texels: Vec<[u16; 4]>,
+    texels: Texels,
     /// Of all texels.
     mean: [f32; 4],
-    /// Smaller copies, where a filter asks for them.
+    /// Smaller copies, where a filter asks for them and they are not in tiles.
     pyramid: OnceLock<Pyramid>,
     /// Sums, where a filter asks for them.
     sums: OnceLock<SummedAreaTable>,
+}
+
+/// Where the texels of a picture are.
+#[derive(Debug)]
+enum Texels {
+    /// In memory, row by row.
+    Resident(Vec<[u16; 4]>),
+    /// In a file.
+    Tiled(TiledPicture),
 }
 
 impl Picture {
@@ -108,7 +122,30 @@ impl Picture {
             (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
         }
         let mean = sums.map(|sum| (sum as f64 / (65535.0 * texels.len() as f64)) as f32);
+        Picture::new_with(Texels::Resident(texels), [width, height], mean)
+    }
+
+    /// The picture of a tiled copy.
+    fn in_tiles(tiled: TiledPicture, mean: [f32; 4]) -> Picture {
+        let size = tiled.size();
+        Picture::new_with(Texels::Tiled(tiled), size, mean)
+    }
+
+    fn new_with(texels: Texels, [width, height]: [u32; 2], mean: [f32; 4]) -> Picture {
         Picture { width, height, texels, mean, pyramid: OnceLock::new(), sums: OnceLock::new() }
+    }
+
+    /// The texels, where they are in memory.
+    fn resident(&self) -> Option<&[[u16; 4]]> {
+        match &self.texels {
+            Texels::Resident(texels) => Some(texels),
+            Texels::Tiled(_) => None,
+        }
+    }
+
+    /// Bytes that so many texels take in memory.
+    pub(crate) fn bytes(width: u32, height: u32) -> u64 {
+        u64::from(width) * u64::from(height) * size_of::<[u16; 4]>() as u64
     }
 
     /// Width and height in texels.
@@ -117,8 +154,16 @@ impl Picture {
     }
 
     #[inline]
+    fn stored(&self, x: usize, y: usize) -> [u16; 4] {
+        match &self.texels {
+            Texels::Resident(texels) => texels[y * self.width as usize + x],
+            Texels::Tiled(tiled) => tiled.level(0).texel(x, y),
+        }
+    }
+
+    #[inline]
     fn texel(&self, x: usize, y: usize) -> [f32; 4] {
-        self.texels[y * self.width as usize + x].map(|v| f32::from(v) * (1.0 / 65535.0))
+        self.stored(x, y).map(|v| f32::from(v) * (1.0 / 65535.0))
     }
 }
 
@@ -129,6 +174,8 @@ pub struct PictureMap {
     pub picture: Arc<Picture>,
     /// What is beside it: to its sides, and above and below.
     pub wrap: [Wrap; 2],
+    /// How it fills the plane.
+    pub tiling: Tiling,
     /// What is between its texels.
     pub filter: TexelFilter,
     /// Which coordinates of the surface place it.
@@ -203,6 +250,7 @@ impl PictureMap {
         PictureMap {
             picture,
             wrap: [Wrap::default(); 2],
+            tiling: Tiling::default(),
             filter: TexelFilter::default(),
             set: UvSet::default(),
             repeat: Vec2::ONE,
@@ -225,7 +273,7 @@ impl PictureMap {
 
     /// Whether both pictures lie in the same place.
     pub(crate) fn lies_like(&self, other: &PictureMap) -> bool {
-        let place = |map: &PictureMap| (map.wrap, map.set, map.repeat, map.cross, map.offset);
+        let place = |map: &PictureMap| (map.wrap, map.tiling, map.set, map.repeat, map.cross, map.offset);
         place(self) == place(other)
     }
 
@@ -253,7 +301,7 @@ impl PictureMap {
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
     #[inline]
     pub fn at(&self, uv: impl Into<SurfaceUv>) -> [f32; 4] {
-        let texel = self.unscaled(self.picture_uv(uv.into()));
+        let texel = self.tiling.show(self.picture_uv(uv.into()), self.picture.mean, |s| self.unscaled(s));
         std::array::from_fn(|c| self.factor[c] * texel[c])
     }
 

@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kajo::LoadOptions;
 use kajo_edit::{Conflict, Document};
 
 use super::recovery::{LeftOver, Recovery, left_over};
-use super::{Action, Answer, Studio};
+use super::{Action, Answer, Studio, load_options};
 
 /// Something the user has to decide.
 pub enum Question {
@@ -234,7 +233,7 @@ impl Studio {
     fn recover(&mut self, left_over: LeftOver, are_more: bool) {
         let title = left_over.title();
         let folder = std::env::current_dir().unwrap_or_default();
-        match Document::restore(&left_over.unsaved, &folder, LoadOptions::default()) {
+        match Document::restore(&left_over.unsaved, &folder, load_options()) {
             Ok(mut document) => {
                 if let Some(recovery) = &mut self.asking.recovery {
                     recovery.adopt(left_over);

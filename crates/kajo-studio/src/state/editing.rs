@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use kajo::output::Target;
-use kajo::{BitDepth, Format, LoadOptions, View};
+use kajo::{BitDepth, Format, View};
 use kajo_edit::{Document, Edit, Field, FieldValue, Kind, NodeId, template};
 use kajo_math::DVec3;
 
 use super::long_texts::Task;
-use super::{Action, Cause, Selection, Studio};
+use super::{Action, Cause, Selection, Studio, load_options};
 
 /// What a new scene says.
 const NEW_SCENE: &str = "\
@@ -80,7 +80,7 @@ impl Studio {
 
     pub(super) fn begin_new(&mut self) {
         let folder = std::env::current_dir().unwrap_or_default();
-        match Document::untitled(&folder, NEW_SCENE, LoadOptions::default()) {
+        match Document::untitled(&folder, NEW_SCENE, load_options()) {
             Ok(mut document) => {
                 document.compile();
                 self.begin(document);

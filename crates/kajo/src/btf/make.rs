@@ -73,7 +73,13 @@ impl Assets for Lit<'_> {
             return self.files.open(name, if from == self.name { self.files.scene_name() } else { from });
         }
         let reader = Box::new(Cursor::new(self.text.clone().into_bytes()));
-        Ok(AssetFile { path: self.name.clone(), len: Some(self.text.len() as u64), stamp: None, reader })
+        Ok(AssetFile {
+            path: self.name.clone(),
+            len: Some(self.text.len() as u64),
+            stamp: None,
+            reopen: None,
+            reader,
+        })
     }
 }
 

@@ -25,7 +25,8 @@ use kajo_math::{Vec2, fmath, rng::Stream};
 
 use super::pyramid::Pyramid;
 use super::sums::SummedAreaTable;
-use super::{Picture, PictureMap, Wrap};
+use super::tiled::TiledLevel;
+use super::{Picture, PictureMap, Texels, Wrap};
 use crate::texture::TextureContext;
 
 /// How values of a picture are found.
@@ -84,7 +85,7 @@ impl Picture {
     pub(crate) fn preparation(&self, filter: TexelFilter) -> u64 {
         match filter {
             TexelFilter::Sat if self.sums.get().is_none() => SummedAreaTable::bytes(self.width, self.height),
-            filter if filter.uses_pyramid() && self.pyramid.get().is_none() => {
+            filter if filter.uses_pyramid() && self.pyramid.get().is_none() && self.resident().is_some() => {
                 Pyramid::bytes(u64::from(self.width) * u64::from(self.height))
             }
             _ => 0,
@@ -95,22 +96,34 @@ impl Picture {
     pub(crate) fn prepare(&self, filter: TexelFilter) {
         if filter == TexelFilter::Sat {
             self.sums.get_or_init(|| SummedAreaTable::of(self));
-        } else if filter.uses_pyramid() {
+        } else if filter.uses_pyramid() && self.resident().is_some() {
             self.pyramid.get_or_init(|| Pyramid::of(self));
         }
     }
 
     fn level(&self, level: usize) -> LevelView<'_> {
+        let texels = match &self.texels {
+            Texels::Resident(texels) => texels,
+            Texels::Tiled(tiled) => {
+                let tiled = tiled.level(level);
+                let [width, height] = tiled.size();
+                return LevelView { width, height, texels: LevelTexels::Tiled(tiled) };
+            }
+        };
         let above = self.pyramid.get().and_then(|pyramid| pyramid.levels.get(level.checked_sub(1)?));
-        match above {
-            Some(level) => LevelView { width: level.width, height: level.height, texels: &level.texels },
-            None => LevelView { width: self.width, height: self.height, texels: &self.texels },
-        }
+        let (width, height, texels) = match above {
+            Some(level) => (level.width, level.height, &level.texels),
+            None => (self.width, self.height, texels),
+        };
+        LevelView { width, height, texels: LevelTexels::Resident(texels) }
     }
 
     /// The number of the smallest level.
     fn top(&self) -> usize {
-        self.pyramid.get().map_or(0, |pyramid| pyramid.levels.len())
+        match &self.texels {
+            Texels::Resident(_) => self.pyramid.get().map_or(0, |pyramid| pyramid.levels.len()),
+            Texels::Tiled(tiled) => tiled.top(),
+        }
     }
 }
 
@@ -118,7 +131,12 @@ impl Picture {
 struct LevelView<'a> {
     width: u32,
     height: u32,
-    texels: &'a [[u16; 4]],
+    texels: LevelTexels<'a>,
+}
+
+enum LevelTexels<'a> {
+    Resident(&'a [[u16; 4]]),
+    Tiled(TiledLevel<'a>),
 }
 
 impl LevelView<'_> {
@@ -126,7 +144,11 @@ impl LevelView<'_> {
     fn texel(&self, x: Option<usize>, y: Option<usize>, wrap: [Wrap; 2]) -> [f32; 4] {
         match (x, y) {
             (Some(x), Some(y)) => {
-                self.texels[y * self.width as usize + x].map(|v| f32::from(v) * (1.0 / 65535.0))
+                let texel = match &self.texels {
+                    LevelTexels::Resident(texels) => texels[y * self.width as usize + x],
+                    LevelTexels::Tiled(level) => level.texel(x, y),
+                };
+                texel.map(|v| f32::from(v) * (1.0 / 65535.0))
             }
             (None, _) => wrap[0].beside(),
             (_, None) => wrap[1].beside(),
@@ -196,14 +218,13 @@ impl PictureMap {
         if !self.filter.wants_footprint() {
             return self.at(at.uv);
         }
-        let texel = self.over(at);
+        let texel = self.tiling.show(self.picture_uv(at.uv), self.picture.mean, |s| self.over(s, at));
         std::array::from_fn(|c| self.factor[c] * texel[c])
     }
 
     #[inline(never)]
-    fn over(&self, at: &TextureContext) -> [f32; 4] {
-        let (s, size) = (self.picture_uv(at.uv), self.picture.size().map(|n| n as f32));
-        let size = Vec2::from(size);
+    fn over(&self, s: Vec2, at: &TextureContext) -> [f32; 4] {
+        let size = Vec2::from(self.picture.size().map(|n| n as f32));
         let axes = at.footprint.uv.map(|duv| {
             let ds = duv * self.repeat + self.cross * Vec2::new(duv.y, duv.x);
             Vec2::new(ds.x, -ds.y) * size

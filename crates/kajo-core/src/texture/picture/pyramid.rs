@@ -33,11 +33,13 @@ impl Pyramid {
         (texels / 2 + 64) * size_of::<[u16; 4]>() as u64
     }
 
+    /// Of a picture in memory; none for others, which have theirs in tiles.
     pub fn of(picture: &Picture) -> Pyramid {
         let mut levels: Vec<Level> = Vec::new();
+        let Some(texels) = picture.resident() else { return Pyramid { levels } };
         let (mut width, mut height) = (picture.width, picture.height);
         while width > 1 || height > 1 {
-            let below = levels.last().map_or(&picture.texels[..], |level| &level.texels);
+            let below = levels.last().map_or(texels, |level| &level.texels[..]);
             let level = halved(below, width, height);
             (width, height) = (level.width, level.height);
             levels.push(level);

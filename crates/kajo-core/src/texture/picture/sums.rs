@@ -37,7 +37,7 @@ impl SummedAreaTable {
         for y in 0..h {
             let mut row = [0u64; 4];
             for x in 0..w {
-                let texel = picture.texels[y * w + x];
+                let texel = picture.stored(x, y);
                 for c in 0..4 {
                     row[c] += u64::from(texel[c]);
                     sums[(y + 1) * stride + x + 1][c] = sums[y * stride + x + 1][c] + row[c];
@@ -138,7 +138,7 @@ mod tests {
                     let (Some(x), Some(y)) = (wrap.index_far(x, SIZE.0), wrap.index_far(y, SIZE.1)) else {
                         continue;
                     };
-                    let texel = picture.texels[y * SIZE.0 as usize + x];
+                    let texel = picture.stored(x, y);
                     (0..4).for_each(|c| sum[c] += u64::from(texel[c]));
                 }
             }
@@ -161,7 +161,7 @@ mod tests {
             else {
                 return 0.0;
             };
-            f64::from(picture.texels[y * SIZE.0 as usize + x][0]) / 65535.0
+            f64::from(picture.stored(x, y)[0]) / 65535.0
         };
         let (low, high) = (Vec2::new(20.25, -1.5), Vec2::new(24.5, 1.75));
         let part = |i: i64, low: f32, high: f32| ((i + 1) as f32).min(high) - (i as f32).max(low);

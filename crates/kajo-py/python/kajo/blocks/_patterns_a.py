@@ -26,6 +26,8 @@ class Brick(TextureBlock):
         shift: by which part of a brick each course is moved (number). Default: 0.5.
         variation: by how much some bricks are darker (number from 0 to 1). Default: 0.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -50,6 +52,7 @@ class Brick(TextureBlock):
         shift: Number | None = None,
         variation: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -66,6 +69,7 @@ class Brick(TextureBlock):
         self.shift = shift
         self.variation = variation
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -84,6 +88,8 @@ class Hexagons(TextureBlock):
         mortar: width of the joints (number from 0 to 1, size). Default: 0.0625.
         variation: by how much some tiles are darker (number from 0 to 1). Default: 0.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -106,6 +112,7 @@ class Hexagons(TextureBlock):
         mortar: Number | None = None,
         variation: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -120,6 +127,7 @@ class Hexagons(TextureBlock):
         self.mortar = mortar
         self.variation = variation
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -135,6 +143,8 @@ class Checks(TextureBlock):
     """Cubes that are 0 and 1 by turns.
 
     Args:
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -154,6 +164,7 @@ class Checks(TextureBlock):
 
     def __init__(
         self, *children: Item, name: str | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -165,6 +176,7 @@ class Checks(TextureBlock):
         filter: bool | None = None,
     ) -> None:
         super().__init__(*children, name=name)
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -181,6 +193,8 @@ class Cells(TextureBlock):
 
     Args:
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -201,6 +215,7 @@ class Cells(TextureBlock):
     def __init__(
         self, *children: Item, name: str | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -213,6 +228,7 @@ class Cells(TextureBlock):
     ) -> None:
         super().__init__(*children, name=name)
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -231,6 +247,8 @@ class Gradient(TextureBlock):
         wave: shape of a band (once, saw, sine or triangle). Default: triangle.
         frequency: bands per unit (number, 1/size). Default: 1.
         phase: by which part of a band it is moved (number). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -253,6 +271,7 @@ class Gradient(TextureBlock):
         wave: Literal["once", "saw", "sine", "triangle"] | None = None,
         frequency: Number | None = None,
         phase: Number | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -267,6 +286,7 @@ class Gradient(TextureBlock):
         self.wave = wave
         self.frequency = frequency
         self.phase = phase
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -287,6 +307,8 @@ class Clouds(TextureBlock):
         lacunarity: frequency of a level by that of the one before (number from 1 to 16).
             Default: 2.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -310,6 +332,7 @@ class Clouds(TextureBlock):
         gain: Number | None = None,
         lacunarity: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -325,6 +348,7 @@ class Clouds(TextureBlock):
         self.gain = gain
         self.lacunarity = lacunarity
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -341,6 +365,8 @@ class Granite(TextureBlock):
 
     Args:
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -361,6 +387,7 @@ class Granite(TextureBlock):
     def __init__(
         self, *children: Item, name: str | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -373,6 +400,7 @@ class Granite(TextureBlock):
     ) -> None:
         super().__init__(*children, name=name)
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -392,6 +420,8 @@ class Gabor(TextureBlock):
         bandwidth: how much their frequencies differ (number > 0, 1/size). Default: 0.75.
         direction: what is across the waves; 0 0 0 for all directions (x y z). Default: 0 0 0.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -415,6 +445,7 @@ class Gabor(TextureBlock):
         bandwidth: Number | None = None,
         direction: Vector | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -430,6 +461,7 @@ class Gabor(TextureBlock):
         self.bandwidth = bandwidth
         self.direction = direction
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -451,6 +483,8 @@ class Agate(TextureBlock):
         lacunarity: frequency of a level by that of the one before (number from 1 to 16).
             Default: 2.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -475,6 +509,7 @@ class Agate(TextureBlock):
         gain: Number | None = None,
         lacunarity: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -491,6 +526,7 @@ class Agate(TextureBlock):
         self.gain = gain
         self.lacunarity = lacunarity
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -509,6 +545,8 @@ class Crackle(TextureBlock):
         metric: how distances are measured (chebyshev, euclidean or manhattan). Default:
             euclidean.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -530,6 +568,7 @@ class Crackle(TextureBlock):
         self, *children: Item, name: str | None = None,
         metric: Literal["chebyshev", "euclidean", "manhattan"] | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -543,6 +582,7 @@ class Crackle(TextureBlock):
         super().__init__(*children, name=name)
         self.metric = metric
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -558,6 +598,8 @@ class Leopard(TextureBlock):
     """Round spots in rows.
 
     Args:
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -577,6 +619,7 @@ class Leopard(TextureBlock):
 
     def __init__(
         self, *children: Item, name: str | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -588,6 +631,7 @@ class Leopard(TextureBlock):
         filter: bool | None = None,
     ) -> None:
         super().__init__(*children, name=name)
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set

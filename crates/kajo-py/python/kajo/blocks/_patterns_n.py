@@ -22,6 +22,8 @@ class Radial(TextureBlock):
         wave: shape of a band (once, saw, sine or triangle). Default: triangle.
         arms: bands of a full turn (whole number from 1 to 100000). Default: 8.
         phase: by which part of a band it is moved (number). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -44,6 +46,7 @@ class Radial(TextureBlock):
         wave: Literal["once", "saw", "sine", "triangle"] | None = None,
         arms: int | None = None,
         phase: Number | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -58,6 +61,7 @@ class Radial(TextureBlock):
         self.wave = wave
         self.arms = arms
         self.phase = phase
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -77,6 +81,8 @@ class Spiral(TextureBlock):
         arms: spirals beside each other (whole number from 0 to 100000). Default: 2.
         frequency: bands per unit of radius (number, 1/size). Default: 1.
         phase: by which part of a band it is moved (number). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -100,6 +106,7 @@ class Spiral(TextureBlock):
         arms: int | None = None,
         frequency: Number | None = None,
         phase: Number | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -115,6 +122,7 @@ class Spiral(TextureBlock):
         self.arms = arms
         self.frequency = frequency
         self.phase = phase
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -133,6 +141,8 @@ class Onion(TextureBlock):
         wave: shape of a band (once, saw, sine or triangle). Default: triangle.
         frequency: bands per unit (number, 1/size). Default: 1.
         phase: by which part of a band it is moved (number). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -155,6 +165,7 @@ class Onion(TextureBlock):
         wave: Literal["once", "saw", "sine", "triangle"] | None = None,
         frequency: Number | None = None,
         phase: Number | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -169,6 +180,7 @@ class Onion(TextureBlock):
         self.wave = wave
         self.frequency = frequency
         self.phase = phase
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -189,6 +201,8 @@ class Turbulence(TextureBlock):
         lacunarity: frequency of a level by that of the one before (number from 1 to 16).
             Default: 2.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -212,6 +226,7 @@ class Turbulence(TextureBlock):
         gain: Number | None = None,
         lacunarity: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -227,6 +242,7 @@ class Turbulence(TextureBlock):
         self.gain = gain
         self.lacunarity = lacunarity
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -247,6 +263,8 @@ class Ridged(TextureBlock):
         lacunarity: frequency of a level by that of the one before (number from 1 to 16).
             Default: 2.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -270,6 +288,7 @@ class Ridged(TextureBlock):
         gain: Number | None = None,
         lacunarity: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -285,6 +304,7 @@ class Ridged(TextureBlock):
         self.gain = gain
         self.lacunarity = lacunarity
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -305,6 +325,8 @@ class Wrinkles(TextureBlock):
         lacunarity: frequency of a level by that of the one before (number from 1 to 16).
             Default: 2.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -328,6 +350,7 @@ class Wrinkles(TextureBlock):
         gain: Number | None = None,
         lacunarity: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -343,6 +366,7 @@ class Wrinkles(TextureBlock):
         self.gain = gain
         self.lacunarity = lacunarity
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -367,6 +391,8 @@ class Veins(TextureBlock):
         lacunarity: frequency of a level by that of the one before (number from 1 to 16).
             Default: 2.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -394,6 +420,7 @@ class Veins(TextureBlock):
         gain: Number | None = None,
         lacunarity: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -413,6 +440,7 @@ class Veins(TextureBlock):
         self.gain = gain
         self.lacunarity = lacunarity
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -437,6 +465,8 @@ class Rings(TextureBlock):
         lacunarity: frequency of a level by that of the one before (number from 1 to 16).
             Default: 2.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -464,6 +494,7 @@ class Rings(TextureBlock):
         gain: Number | None = None,
         lacunarity: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -483,6 +514,7 @@ class Rings(TextureBlock):
         self.gain = gain
         self.lacunarity = lacunarity
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -504,6 +536,8 @@ class Timber(TextureBlock):
         rays: how dark the sheets outwards from the middle are (number ≥ 0). Default: 0.25.
         pores: how dark the tubes along the trunk are (number ≥ 0). Default: 0.25.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -529,6 +563,7 @@ class Timber(TextureBlock):
         rays: Number | None = None,
         pores: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -546,6 +581,7 @@ class Timber(TextureBlock):
         self.rays = rays
         self.pores = pores
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -565,6 +601,8 @@ class Worley(TextureBlock):
         metric: how distances are measured (chebyshev, euclidean or manhattan). Default:
             euclidean.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -587,6 +625,7 @@ class Worley(TextureBlock):
         value: Literal["cell", "crackle", "nearest", "second"] | None = None,
         metric: Literal["chebyshev", "euclidean", "manhattan"] | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -601,6 +640,7 @@ class Worley(TextureBlock):
         self.value = value
         self.metric = metric
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -619,6 +659,8 @@ class Ripples(TextureBlock):
         frequency: waves per unit (number, 1/size). Default: 1.
         phase: by which part of a wave they have run (number). Default: 0.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -641,6 +683,7 @@ class Ripples(TextureBlock):
         frequency: Number | None = None,
         phase: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -655,6 +698,7 @@ class Ripples(TextureBlock):
         self.frequency = frequency
         self.phase = phase
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set
@@ -673,6 +717,8 @@ class Waves(TextureBlock):
         frequency: waves per unit (number, 1/size). Default: 1.
         phase: by which part of a wave they have run (number). Default: 0.
         seed: chooses one of many (whole number from 0 to 999999999). Default: 0.
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -695,6 +741,7 @@ class Waves(TextureBlock):
         frequency: Number | None = None,
         phase: Number | None = None,
         seed: int | None = None,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -709,6 +756,7 @@ class Waves(TextureBlock):
         self.frequency = frequency
         self.phase = phase
         self.seed = seed
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set

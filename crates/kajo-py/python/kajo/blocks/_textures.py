@@ -25,6 +25,8 @@ class Placed(TextureBlock):
     Args:
         texture: what it is made of: the name of a texture, a picture, a number, or a colour
             (word or text, or a texture).
+        space: what it is placed in: the world, or the space in which the fields of the shape
+            are written (object or world). Default: world.
         size: length of the unit that it is described in (number > 0, length). Default: 1.
         projection: how it is laid on surfaces (camera, cubic, cylindrical, planar, solid,
             spherical, triplanar or uv). Default: solid.
@@ -45,6 +47,7 @@ class Placed(TextureBlock):
     def __init__(
         self, *children: Item, name: str | None = None,
         texture: Number | Vector | Texture,
+        space: Literal["object", "world"] | None = None,
         size: Number | None = None,
         projection: Literal["camera", "cubic", "cylindrical", "planar", "solid", "spherical", "triplanar", "uv"] | None = None,
         uv_set: int | None = None,
@@ -57,6 +60,7 @@ class Placed(TextureBlock):
     ) -> None:
         super().__init__(*children, name=name)
         self.texture = texture
+        self.space = space
         self.size = size
         self.projection = projection
         self.uv_set = uv_set

@@ -18,7 +18,9 @@ use crate::compile::fields::{
 use crate::compile::member::TextureMember;
 use crate::compile::named_texture::NamedTexture;
 use crate::compile::transform;
-use crate::texture::{FloatTexture, MappedColor, MappedFloat, Mapping, PatternNode, Projection, UvSet};
+use crate::texture::{
+    FloatTexture, MappedColor, MappedFloat, Mapping, PatternNode, Projection, TextureSpace, UvSet,
+};
 
 /// All patterns, in the order in which they are offered.
 pub const PATTERNS: [&TextureMember; 23] = [
@@ -74,6 +76,13 @@ choices! {
 }
 
 choices! {
+    TextureSpace {
+        "object" => TextureSpace::Object,
+        "world" => TextureSpace::World,
+    }
+}
+
+choices! {
     Wave {
         "once" => Wave::Once,
         "saw" => Wave::Saw,
@@ -85,6 +94,8 @@ choices! {
 keys! {
     /// Where a texture is.
     pub(super) PlacementKeys {
+        space: TextureSpace = choice::<TextureSpace>("space")
+            .or_word("world", "what it is placed in: the world, or the space in which the fields of the shape are written"),
         size: f32 = positive("size").unit("length").or(1.0, "length of the unit that it is described in"),
         projection: ProjectionName = choice::<ProjectionName>("projection")
             .or_word("solid", "how it is laid on surfaces"),
@@ -128,6 +139,34 @@ keys! {
     }
 }
 
+impl PlacementKeys {
+    fn warp(&self) -> Option<TurbulentWarp> {
+        (self.warp != 0.0).then_some(TurbulentWarp {
+            amount: kajo_math::Vec3::splat(self.warp),
+            octaves: self.warp_octaves,
+            lambda: self.lambda,
+            omega: self.omega,
+            seed: 0,
+        })
+    }
+
+    fn projection(&self) -> Projection {
+        match self.projection {
+            ProjectionName::Solid => Projection::Solid,
+            ProjectionName::Uv if self.uv_set == 2 => Projection::Uv(UvSet::Second),
+            ProjectionName::Uv => Projection::Uv(UvSet::First),
+            ProjectionName::Planar => Projection::Planar,
+            ProjectionName::Spherical => Projection::Spherical,
+            ProjectionName::Cylindrical => Projection::Cylindrical,
+            ProjectionName::Cubic => Projection::Cubic,
+            ProjectionName::Triplanar => Projection::Triplanar,
+            ProjectionName::Camera => {
+                Projection::Camera { tan_half: kajo_math::fmath::tan(0.5 * self.angle.to_radians()) }
+            }
+        }
+    }
+}
+
 /// Where a texture is, by the keys and the `Transform` of its block; `None` inside where that is where it was.
 pub(super) fn placement(
     params: &mut Params<'_, '_>,
@@ -145,39 +184,31 @@ pub(super) fn placement(
         params.idle(&["uvSet"], "without `projection uv`");
     }
     let by_rows = sources.rules.matrix_by_rows;
-    let world_from_texture = match transform {
+    let space_from_texture = match transform {
         Some(item) => transform::read_alone(item, by_rows, params.diagnostics())?,
         None => Affine3A::IDENTITY,
     };
-    let texture_from_world = world_from_texture.inverse();
-    if !texture_from_world.is_finite() {
+    let texture_from_space = space_from_texture.inverse();
+    if !texture_from_space.is_finite() {
         let error = Diagnostic::error("this `Transform` leaves a texture no space");
         params.report(error.help("no axis may be scaled by 0"), "has no place in the world");
         return None;
     }
-    let warp = (keys.warp != 0.0).then_some(TurbulentWarp {
-        amount: kajo_math::Vec3::splat(keys.warp),
-        octaves: keys.warp_octaves,
-        lambda: keys.lambda,
-        omega: keys.omega,
-        seed: 0,
-    });
-    let projection = match keys.projection {
-        ProjectionName::Solid => Projection::Solid,
-        ProjectionName::Uv if keys.uv_set == 2 => Projection::Uv(UvSet::Second),
-        ProjectionName::Uv => Projection::Uv(UvSet::First),
-        ProjectionName::Planar => Projection::Planar,
-        ProjectionName::Spherical => Projection::Spherical,
-        ProjectionName::Cylindrical => Projection::Cylindrical,
-        ProjectionName::Cubic => Projection::Cubic,
-        ProjectionName::Triplanar => Projection::Triplanar,
-        ProjectionName::Camera => {
-            Projection::Camera { tan_half: kajo_math::fmath::tan(0.5 * keys.angle.to_radians()) }
-        }
+    let warp = keys.warp();
+    let projection = keys.projection();
+    let is_plain = keys.space == TextureSpace::World
+        && transform.is_none()
+        && projection == Projection::Solid
+        && keys.size == 1.0
+        && warp.is_none();
+    let mapping = Mapping {
+        space: keys.space,
+        texture_from_space,
+        projection,
+        size: keys.size,
+        warp,
+        is_filtered: keys.filter,
     };
-    let is_plain =
-        transform.is_none() && projection == Projection::Solid && keys.size == 1.0 && warp.is_none();
-    let mapping = Mapping { texture_from_world, projection, size: keys.size, warp, is_filtered: keys.filter };
     Some(((!is_plain).then_some(mapping), keys.filter))
 }
 
