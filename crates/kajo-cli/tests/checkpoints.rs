@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 72] = [
+const ROLES: [(&str, Role); 74] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -193,6 +193,8 @@ const ROLES: [(&str, Role); 72] = [
     ),
     ("checkpoint-every", Harmless("--checkpoint-every 0", "how often it goes there")),
     ("resume", Harmless("", "each of these renders has it")),
+    ("texture-folder", Harmless("--texture-folder tiles", "where copies are kept")),
+    ("texture-memory", Harmless("--texture-memory 1 --texture-folder tiles", "the same texels")),
     ("tev", Harmless("--tev 127.0.0.1:1", "a viewer")),
     ("dialect", Decides("", "--dialect mit-2004")),
     ("assets", Harmless("--assets .", "where files are found; what they hold is in the digest of the scene")),

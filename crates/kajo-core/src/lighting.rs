@@ -16,9 +16,6 @@ use crate::material::{Interior, ShadingPoint};
 use crate::sampler::SampleStream;
 use crate::scene::{Interaction, Scene, rarely};
 
-/// The smallest share of light that holes and panes leave of a segment before chance decides; the light of less can hardly be told from none.
-pub const SMALLEST_SHARE: f32 = f32::EPSILON;
-
 impl Scene {
     /// How light is scattered at an interaction.
     ///
@@ -39,19 +36,17 @@ impl Scene {
     /// The share of light that comes straight along a segment between two points in one medium: less than 1 through
     /// holes and panes, and 0 behind anything else. What the medium itself absorbs is left out.
     ///
-    /// An estimate that may be random: shares below [`SMALLEST_SHARE`] are left to chance, so that a segment through a thousand leaves of
-    /// glass or gauze ends early.
+    /// An estimate that may be random: what can only be known by chance takes numbers from `_draws`. Holes and panes are
+    /// known.
     ///
     /// * `eta`: index of refraction of the medium
-    ///
-    /// Takes a number for each crossing that leaves so little.
     #[inline]
     pub fn transmittance(
         &self,
         segment: &Ray,
         eta: f32,
         wavelengths: &Wavelengths,
-        draws: &mut SampleStream<'_>,
+        _draws: &mut SampleStream<'_>,
     ) -> Spectrum {
         if !self.appearance.has_passages {
             return if self.occluded(segment) { Spectrum::BLACK } else { Spectrum::WHITE };
@@ -63,7 +58,7 @@ impl Scene {
             let point = ShadingPoint { context, wavelengths, eta_outside: eta, u: 0.0 };
             let cos = at.crossing_cosine(segment.d);
             passed *= self.appearance.passage(at.material, &point, cos);
-            passed.max_lane() < SMALLEST_SHARE && rarely(|| !survives(&mut passed, draws))
+            passed.is_black()
         });
         if blocked { Spectrum::BLACK } else { passed }
     }
@@ -238,15 +233,6 @@ impl Scene {
     ) -> EmissionPdf {
         self.lighting.lights.pdf_le(self.lighting.sampler.id(light), time, at, d, world)
     }
-}
-
-/// Russian roulette on a share of light below [`SMALLEST_SHARE`]: it becomes that large with a probability in proportion, else nothing,
-/// which is what it is on average.
-fn survives(passed: &mut Spectrum, draws: &mut SampleStream<'_>) -> bool {
-    let probability = passed.max_lane() / SMALLEST_SHARE;
-    let goes_on = probability > 0.0 && draws.next_1d() < probability;
-    *passed *= if goes_on { 1.0 / probability } else { 0.0 };
-    goes_on
 }
 
 impl EmissiveSurfaces for Scene {
