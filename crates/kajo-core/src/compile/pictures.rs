@@ -834,7 +834,7 @@ mod tests {
                 encode(&Image::filled(1, 1, &[v]).unwrap(), Format::Png, &EncodeOptions::default()).unwrap()
             };
             let assets = (1..4).fold(MemoryAssets::new(), |assets, n| {
-                assets.with(&format!("a.00{n}.png"), image(n as f32 / 3.0))
+                assets.with(format!("a.00{n}.png"), image(n as f32 / 3.0))
             });
             let text = format!(
                 "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}

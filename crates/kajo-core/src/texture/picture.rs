@@ -71,7 +71,7 @@ enum Texels {
     /// In memory, row by row.
     Resident(Vec<[u16; 4]>),
     /// In a file.
-    Tiled(TiledPicture),
+    Tiled(Box<TiledPicture>),
 }
 
 impl Picture {
@@ -128,7 +128,7 @@ impl Picture {
     /// The picture of a tiled copy.
     fn in_tiles(tiled: TiledPicture, mean: [f32; 4]) -> Picture {
         let size = tiled.size();
-        Picture::new_with(Texels::Tiled(tiled), size, mean)
+        Picture::new_with(Texels::Tiled(Box::new(tiled)), size, mean)
     }
 
     fn new_with(texels: Texels, [width, height]: [u32; 2], mean: [f32; 4]) -> Picture {

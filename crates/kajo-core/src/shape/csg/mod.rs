@@ -280,8 +280,8 @@ impl Making {
             _ if own.is_empty() => Aabb::EMPTY,
             _ if !own.is_finite() => Aabb::EVERYWHERE,
             Some(LeafPlace::Moving(moving)) => moving.bounds_of_all_times(&own),
-            Some(LeafPlace::Still(place)) => place.bounds(&own),
-            None => own,
+            // Widened by what rounding may take, where it stands as it is too.
+            Some(LeafPlace::Still(_)) | None => still.bounds(&own),
         };
         let first_part = self.parts;
         let parts = self.parts.checked_add(self.shapes.part_count(shape));

@@ -73,8 +73,10 @@ struct Held {
 /// Tiles that a thread keeps at hand, without a lock.
 const AT_HAND: usize = 64;
 
+type RecentTile = Option<(TileKey, Arc<Tile>)>;
+
 thread_local! {
-    static RECENT: RefCell<[Option<(TileKey, Arc<Tile>)>; AT_HAND]> = const { RefCell::new([const { None }; AT_HAND]) };
+    static RECENT: RefCell<[RecentTile; AT_HAND]> = const { RefCell::new([const { None }; AT_HAND]) };
 }
 
 /// Bytes of the cache for each of its locks, at least.

@@ -101,8 +101,8 @@ impl Made {
         Arc::new(self.copies.open(&self.source, None, 7).unwrap().0)
     }
 
-    fn damage(&self, mut damage: impl FnMut(&mut Vec<u8>)) {
-        self.files.files.lock().unwrap().values_mut().for_each(|bytes| damage(bytes));
+    fn damage(&self, damage: impl FnMut(&mut Vec<u8>)) {
+        self.files.files.lock().unwrap().values_mut().for_each(damage);
     }
 }
 
