@@ -119,7 +119,7 @@ enum LeafPlace {
 }
 
 impl Csg {
-    /// Operands that move are seen through the usual shutter; see [`Csg::exposed`].
+    /// Operands that move are seen through the usual shutter.
     ///
     /// * `operands`: each the union of its parts
     ///
