@@ -216,7 +216,8 @@ def test_scenes_of_the_gallery_are_those_of_the_command_line(tmp_path):
         size = ["--size", "16", "12", "--samples", "jittered", "1"]
         ran = subprocess.run(line + size, capture_output=True, text=True)
         assert ran.returncode == 0, (path.name, ran.stderr)
-        image = kajo.load(path, assets=[GALLERY.parent]).render(size=(16, 12), samples=1)
+        # Cameras that fit something into the picture have to know what that is like.
+        image = kajo.load(path, assets=[GALLERY.parent], aspect=16 / 12).render(size=(16, 12), samples=1)
         assert image.encode("exr") == (tmp_path / "a.exr").read_bytes(), path.name
 
 
