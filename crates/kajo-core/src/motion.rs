@@ -51,7 +51,7 @@ pub struct MovingTransform {
     /// Whether what is mapped moves within its own space.
     holds_moving: bool,
     /// The map when patterns are painted.
-    painted: Affine3A,
+    painted: Transform,
 }
 
 impl MovingTransform {
@@ -59,7 +59,7 @@ impl MovingTransform {
     pub fn new(motion: Motion, shutter: Shutter) -> MovingTransform {
         let resting = motion.is_still_over(shutter.interval());
         let resting = resting.then(|| Transform::of_invertible(&motion.at(shutter.open)));
-        let painted = Transform::of_invertible(&motion.at(shutter.painted)).world_from_object;
+        let painted = Transform::of_invertible(&motion.at(shutter.painted));
         MovingTransform { motion, shutter, resting, holds_moving: false, painted }
     }
 
@@ -120,13 +120,13 @@ impl MovingTransform {
     ///
     /// Patterns in world space are painted there, and so go along with the object.
     pub fn painted(&self, p: Vec3, time: f32) -> Vec3 {
-        self.painted.transform_point3(self.at(time).object_from_world.transform_point3(p))
+        self.painted.point(self.at(time).object_from_world.transform_point3(p))
     }
 
     /// The same for a point of a part that moves by `inner` within the object.
     pub(crate) fn painted_part(&self, inner: &MovingTransform, p: Vec3, time: f32) -> Vec3 {
         let own = self.at(time).object_from_world.transform_point3(p);
-        self.painted.transform_point3(inner.painted(own, time))
+        self.painted.point(inner.painted(own, time))
     }
 
     /// Where the point that is at `p` at a ray's time is at that of another one.
@@ -146,12 +146,12 @@ impl MovingTransform {
         // By the inverse transposes of all maps.
         let own = self.at(time).world_from_object.matrix3.transpose() * n;
         let own = inner.map_or(own, |inner| inner.painted_normal(None, own, time));
-        (self.painted.matrix3.inverse().transpose() * own).normalize_or(n)
+        (self.painted.object_from_world.matrix3.transpose() * own).normalize_or(n)
     }
 
     /// From the world as patterns are painted in it to the space of the object.
     pub fn object_from_painted(&self) -> Affine3A {
-        self.painted.inverse()
+        self.painted.object_from_world
     }
 
     /// The map at some times that tell whether it ever changes shapes.

@@ -213,6 +213,31 @@ mod tests {
         assert!(options.textures.unwrap().files().unwrap().is_empty());
     }
 
+    /// What can be rendered without copies can be where they have no folder.
+    #[test]
+    fn pictures_stay_in_memory_where_copies_cannot_be_kept() {
+        let (folder, path) = scene();
+        for name in ["a.png", "b.png"] {
+            let image = Image::from_fn(1024, 700, |x, y| [((x + y) % 7) as f32 / 6.0]).unwrap();
+            let bytes = encode(&image, Format::Png, &EncodeOptions::default()).unwrap();
+            fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        let text = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 40 }
+            Materials { Matte { color a.png } Matte { color b.png } }
+            Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } MaterialIndex 1 Sphere { center 2 0 0 radius 1 } }";
+        fs::write(&path, text).unwrap();
+        // Each picture takes 5.7 MB, so that the second one is beyond half of this.
+        let tight = LoadOptions { memory: Some(18_000_000), ..options(folder.path(), None) };
+        let with_folder = load(&path, &tight);
+        assert!(with_folder.scene.is_some(), "{}", with_folder.report(false));
+        let textures = tight.textures.clone().unwrap();
+        assert_eq!(textures.files().unwrap().len(), 1);
+        fs::remove_dir_all(folder.path().join("tiles")).unwrap();
+        fs::write(folder.path().join("tiles"), "a file").unwrap();
+        let without = load(&path, &tight);
+        assert!(without.scene.is_some(), "{}", without.report(false));
+    }
+
     #[test]
     fn the_same_name_is_found_beforehand() {
         let (folder, path) = scene();

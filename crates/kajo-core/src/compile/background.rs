@@ -9,7 +9,7 @@ use super::fields::{
     At, FileName, Keys, any_angle, at_least, between, classic_light, color, degrees, file, flag, keys,
     number, report_without,
 };
-use super::pictures::read_picture;
+use super::picture_files::read_picture;
 use super::spectra::Written;
 use super::{Compiler, fields};
 use crate::background::{Background, CubeMap, FACE_NAMES};

@@ -8,7 +8,7 @@ use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Diagnostic, Item, Span};
 
 use super::Compiler;
-use super::pictures::{format_of, read_picture};
+use super::picture_files::{format_of, read_picture};
 use crate::shape::{HeightField, HeightFieldError, HeightGrid, ShapeId};
 
 /// A height field as a block asks for it.

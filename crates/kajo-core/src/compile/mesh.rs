@@ -10,7 +10,7 @@ use kajo_scene::{AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Sp
 
 use super::Compiler;
 use super::mesh_store::{Kept, Shading, StoreKey};
-use super::pictures::{PictureReader, ReadPicture};
+use super::picture_files::{PictureReader, ReadPicture};
 use super::subdivision::{Displacement, ReadFaces, Subdivision};
 use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, VertexAttributes, vertex_normals};
 use crate::texture::{Encoding, PictureMap};

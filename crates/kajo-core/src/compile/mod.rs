@@ -48,6 +48,7 @@ mod operands;
 mod operations;
 mod part;
 mod paths;
+mod picture_files;
 mod picture_sequence;
 mod picture_values;
 mod pictures;
@@ -64,7 +65,7 @@ pub use self::blocks::animation::LAST_FRAME;
 pub use self::blocks::{block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
 pub use self::operations::OPERATIONS;
-pub use self::pictures::tile_picture;
+pub use self::picture_files::tile_picture;
 pub use self::settings::BLOCK as SETTINGS;
 pub use self::transform::operations_matrix;
 
@@ -229,7 +230,7 @@ struct Compiler<'a> {
     /// The names, where they have any, of materials that could not be made, which has been reported.
     failed_materials: HashSet<Option<String>>,
     texture_names: named_texture::TextureNames,
-    pictures: pictures::PictureCache,
+    pictures: picture_files::PictureCache,
     measured: measured::MeasuredCache,
     meshes: mesh::MeshCache,
     /// Those whose colours have opacities.
@@ -281,7 +282,7 @@ impl<'a> Compiler<'a> {
             material_names: HashMap::new(),
             failed_materials: HashSet::new(),
             texture_names: HashMap::new(),
-            pictures: pictures::PictureCache::default(),
+            pictures: picture_files::PictureCache::default(),
             measured: measured::MeasuredCache::default(),
             meshes: mesh::MeshCache::default(),
             clear_meshes: HashSet::new(),

@@ -16,37 +16,24 @@
 //! says otherwise; floats, and pictures of numbers, are amounts. A file is read once, however many parameters
 //! show it.
 
-use std::collections::HashMap;
-use std::fmt;
 use std::ops::{Bound, RangeBounds};
 use std::sync::Arc;
 
 use kajo_color::Reflectance;
-use kajo_image::{DecodeLimits, Decoded, Format, ImageError};
+use kajo_image::Format;
 use kajo_math::Vec2;
-use kajo_scene::{
-    Args, AssetFile, Assets, Diagnostic, Diagnostics, Item, MemoryBudget, Params, Reopen, read_limited,
-};
+use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, Params};
 
 use super::CompileOptions;
 use super::named_texture::{self, NamedTexture, TextureNames, is_spectrum};
+use super::picture_files::{PictureCache, PictureReader, Problem};
 use super::picture_sequence::PictureSequence;
 use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{
     AnyFloatNode, Channel, ColorTexture, Encoding, Expression, FloatTexture, Picture, PictureChannel,
-    PictureMap, Remapped, TexelFilter, Textures, TiledCopies, Tiling, Wrap,
+    PictureMap, Remapped, TexelFilter, Textures, Tiling, Wrap,
 };
-
-/// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
-#[derive(Default)]
-pub(super) struct PictureCache {
-    pictures: HashMap<(String, Option<Encoding>), Option<Arc<Picture>>>,
-    /// Bytes of those in memory.
-    resident: u64,
-    /// Whether the memory of the cache of tiles has been taken.
-    has_tiles: bool,
-}
 
 /// Endings of pictures that people have and this program does not read.
 const FOREIGN: [&str; 7] = ["avif", "dds", "gif", "ktx", "ktx2", "tif", "tiff"];
@@ -76,16 +63,6 @@ const WRAPS: [(&str, Wrap); 5] = [
 ];
 
 const TILINGS: [(&str, Tiling); 2] = [("random", Tiling::Random), ("regular", Tiling::Regular)];
-
-/// Reads pictures, each once.
-pub(super) struct PictureReader<'a> {
-    assets: &'a dyn Assets,
-    /// Bytes of the largest file.
-    limit: u64,
-    memory: &'a MemoryBudget,
-    tiled: Option<&'a TiledCopies>,
-    cache: &'a mut PictureCache,
-}
 
 /// Reads textures.
 pub(super) struct TextureReader<'a> {
@@ -266,17 +243,6 @@ pub(super) fn read_channel(params: &mut Params<'_, '_>) -> Channel {
     params.or("channel", Channel::Red, |args| args.choice(&CHANNELS))
 }
 
-impl<'a> PictureReader<'a> {
-    pub fn new(
-        assets: &'a dyn Assets,
-        options: &'a CompileOptions,
-        cache: &'a mut PictureCache,
-    ) -> PictureReader<'a> {
-        let (limit, memory) = (options.limits.picture_bytes, &options.limits.memory);
-        PictureReader { assets, limit, memory, tiled: options.tiled.as_ref(), cache }
-    }
-}
-
 impl PictureReader<'_> {
     /// The picture that an item names, laid as its block says.
     ///
@@ -384,174 +350,6 @@ impl PictureReader<'_> {
             }
         }
     }
-
-    /// The picture of a file, and what is wrong with it when it is read for the first time.
-    ///
-    /// * `from`: the path of the file that names it
-    pub fn picture(&mut self, name: &str, from: &str, encoding: Option<Encoding>) -> ReadPicture {
-        let file = self.assets.open(name, from).map_err(|error| Problem::Unreadable(error.to_string()))?;
-        let (key, limit, memory) = ((file.path.clone(), encoding), self.limit, self.memory);
-        let copies = self.tiled.zip(file.reopen.clone()).zip(file.stamp);
-        let copies = copies.map(|((copies, source), stamp)| Copies { copies, source, encoding, stamp });
-        self.cached(key, copies, || read_picture(file, format_of(name), limit, memory))
-    }
-
-    /// The picture of bytes that another file holds, under a name of its own.
-    pub fn held(&mut self, bytes: &[u8], name: &str, encoding: Option<Encoding>) -> ReadPicture {
-        let memory = self.memory;
-        self.cached((name.to_owned(), encoding), None, || decode(bytes, None, memory))
-    }
-
-    /// * `copies`: where its tiled copy is, if it may have one
-    fn cached(
-        &mut self,
-        key: (String, Option<Encoding>),
-        copies: Option<Copies<'_>>,
-        read: impl FnOnce() -> Result<Decoded, String>,
-    ) -> ReadPicture {
-        match self.cache.pictures.get(&key) {
-            Some(Some(known)) => return Ok((Arc::clone(known), None)),
-            Some(None) => return Err(Problem::Unreadable("it could not be read before".to_owned())),
-            None => {}
-        }
-        let tiled = copies.as_ref().and_then(|copies| self.in_tiles(copies));
-        let read = match tiled {
-            Some(tiled) => tiled,
-            None => read().and_then(|decoded| self.made(&decoded, key.1, copies)),
-        };
-        let read = read.map_err(Problem::Unreadable).map(|(picture, outside)| {
-            (Arc::new(picture), (outside > 0).then_some(Problem::Outside(outside)))
-        });
-        self.cache.pictures.insert(key, read.as_ref().ok().map(|(picture, _)| Arc::clone(picture)));
-        read
-    }
-
-    /// The picture of a tiled copy, where there is one and it is wanted.
-    fn in_tiles(&mut self, copies: &Copies<'_>) -> Option<Result<(Picture, usize), String>> {
-        let Copies { copies, source, encoding, stamp } = copies;
-        let (picture, outside) = copies.open(source, *encoding, *stamp).ok()?;
-        let [width, height] = picture.size();
-        let is_wanted = copies.rule.wants(self.cache.resident, Picture::bytes(width, height));
-        is_wanted.then(|| self.take_tiles(copies).map(|()| (picture, outside)))
-    }
-
-    /// The picture of a file, in memory or in tiles.
-    fn made(
-        &mut self,
-        decoded: &Decoded,
-        encoding: Option<Encoding>,
-        copies: Option<Copies<'_>>,
-    ) -> Result<(Picture, usize), String> {
-        // Until the texels are made there are the floats of the file, too.
-        let floats = size_of_val(decoded.image.data()) as u64;
-        let _floats = self.memory.share(floats).map_err(|over| over.to_string())?;
-        let bytes = Picture::bytes(decoded.image.width(), decoded.image.height());
-        let mut texels = self.memory.share(bytes).map_err(|over| over.to_string())?;
-        let whole = if decoded.depth.is_some() { Encoding::Srgb } else { Encoding::Linear };
-        let used = encoding.unwrap_or(whole);
-        let (picture, outside) = Picture::new(&decoded.image, used);
-        let copies = copies.filter(|copies| copies.copies.rule.wants(self.cache.resident, bytes));
-        if let Some(Copies { copies, source, stamp, .. }) = copies {
-            copies
-                .make(&picture, &source, (encoding, used), (stamp, outside))
-                .map_err(|error| format!("its tiled copy cannot be written: {error}"))?;
-            drop((picture, texels));
-            self.take_tiles(copies)?;
-            return copies.open(&source, encoding, stamp).map_err(|error| format!("its tiled copy: {error}"));
-        }
-        texels.keep(bytes).map_err(|over| over.to_string())?;
-        self.cache.resident += bytes;
-        Ok((picture, outside))
-    }
-
-    /// Takes the memory of the tiles that are kept, once.
-    fn take_tiles(&mut self, copies: &TiledCopies) -> Result<(), String> {
-        if !std::mem::replace(&mut self.cache.has_tiles, true) {
-            self.memory.take(copies.cache.limit()).map_err(|over| format!("the cache of tiles: {over}"))?;
-        }
-        Ok(())
-    }
-}
-
-/// Where the tiled copy of a file is.
-struct Copies<'a> {
-    copies: &'a TiledCopies,
-    source: Reopen,
-    /// What its colours are said to mean.
-    encoding: Option<Encoding>,
-    stamp: u64,
-}
-
-/// Makes the tiled copy of a picture unless there is one; answers its size in texels.
-///
-/// * `options`: with [`CompileOptions::tiled`]
-/// * `encoding`: what its colours are said to mean
-///
-/// # Errors
-/// Why it cannot be made, in words that complete "cannot make a copy of `x`: ...".
-pub fn tile_picture(
-    name: &str,
-    assets: &dyn Assets,
-    options: &CompileOptions,
-    encoding: Option<Encoding>,
-) -> Result<[u32; 2], String> {
-    let mut cache = PictureCache::default();
-    let read = PictureReader::new(assets, options, &mut cache).picture(name, "", encoding);
-    let (picture, _) = read.map_err(|problem| problem.to_string())?;
-    if cache.resident > 0 {
-        return Err("it is small, and always in memory as a whole".to_owned());
-    }
-    Ok(picture.size())
-}
-
-/// A picture, and what is wrong with it when it is read for the first time.
-pub(super) type ReadPicture = Result<(Arc<Picture>, Option<Problem>), Problem>;
-
-/// What is wrong with a picture.
-pub(super) enum Problem {
-    /// It cannot be read, and why.
-    Unreadable(String),
-    /// So many of its values are no shares.
-    Outside(usize),
-}
-
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Problem::Unreadable(reason) => f.write_str(reason),
-            Problem::Outside(n) => write!(f, "{n} of its values are not between 0 and 1"),
-        }
-    }
-}
-
-/// The format that the ending of a name suggests.
-pub(super) fn format_of(name: &str) -> Option<Format> {
-    name.rsplit_once('.').and_then(|(_, ending)| Format::from_extension(ending))
-}
-
-/// The picture in a file of at most `limit` bytes.
-pub(super) fn read_picture(
-    file: AssetFile,
-    hint: Option<Format>,
-    limit: u64,
-    memory: &MemoryBudget,
-) -> Result<Decoded, String> {
-    let _file = memory.share(file.len.unwrap_or(0)).map_err(|over| over.to_string())?;
-    let bytes = read_limited(file, limit).map_err(|error| error.to_string())?;
-    decode(&bytes, hint, memory)
-}
-
-/// The picture in the bytes of a file; `hint` is its format where they do not say.
-pub(super) fn decode(bytes: &[u8], hint: Option<Format>, memory: &MemoryBudget) -> Result<Decoded, String> {
-    let usual = DecodeLimits::default();
-    let limits = DecodeLimits { max_bytes: usual.max_bytes.min(memory.left()), ..usual };
-    kajo_image::decode(bytes, hint, &limits).map_err(|error| match error {
-        ImageError::Limit { needed, limit, .. } if limit == limits.max_bytes && limit < usual.max_bytes => {
-            memory.exceeded(needed).to_string()
-        }
-        ImageError::Memory { needed } => memory.exceeded(needed).to_string(),
-        error => error.to_string(),
-    })
 }
 
 #[cfg(test)]
