@@ -40,8 +40,9 @@ impl Compiler<'_> {
         let mixes = components.iter().any(|component| component.material.is_some());
         let materials = if mixes { self.blob_materials(&components, item, walk) } else { Some(Vec::new()) };
         let Some(materials) = materials else { return };
+        let mixed = distinct(&materials);
         let number = |i: usize| {
-            let own = materials.get(i).and_then(|own| distinct(&materials).position(|other| other == *own));
+            let own = materials.get(i).and_then(|own| mixed.iter().position(|other| other == own));
             own.unwrap_or(0)
         };
         let shapes = components.iter().enumerate();
@@ -51,7 +52,7 @@ impl Compiler<'_> {
         if !mixes {
             return self.put_shape(shape, item, place, walk);
         }
-        let material = self.mixture(&distinct(&materials).collect::<Vec<_>>(), item);
+        let material = self.mixture(&mixed, item);
         self.put_made_of(material, shape, item, place, walk);
     }
 
@@ -88,10 +89,7 @@ impl Compiler<'_> {
                 }
             });
         }
-        let count = {
-            let known: Vec<MaterialId> = materials.iter().copied().flatten().collect();
-            distinct(&known).count()
-        };
+        let count = distinct(&materials.iter().copied().flatten().collect::<Vec<_>>()).len();
         if count > MOST_MATERIALS {
             let message = format!("the components of a blob have {MOST_MATERIALS} materials at most");
             let error = Diagnostic::error(message).label(item.head_span(), format!("has {count}"));
@@ -118,7 +116,12 @@ impl Compiler<'_> {
 }
 
 /// Each once, in the order of the first of each.
-fn distinct(materials: &[MaterialId]) -> impl Iterator<Item = MaterialId> {
-    let is_first = |&(i, material): &(usize, &MaterialId)| !materials[..i].contains(material);
-    materials.iter().enumerate().filter(is_first).map(|(_, &material)| material)
+fn distinct(materials: &[MaterialId]) -> Vec<MaterialId> {
+    let mut found = Vec::new();
+    for material in materials {
+        if !found.contains(material) {
+            found.push(*material);
+        }
+    }
+    found
 }
