@@ -51,10 +51,12 @@ pub struct Document {
     pub(super) files: Vec<SceneFile>,
     pub(super) stamps: HashMap<FileId, Stamp>,
     pub(super) tree: Arc<Tree>,
-    identities: Identities,
+    pub(super) identities: Identities,
     history: History,
     gesture: Option<Gesture>,
     pub(super) generation: u64,
+    /// How often another frame was shown.
+    pub(super) frames_shown: u64,
     pub(super) compiled: Compiled,
     /// Meshes need not be read again for every edit.
     pub(super) meshes: Arc<MeshStore>,
@@ -119,6 +121,7 @@ impl Document {
             history: History::default(),
             gesture: None,
             generation: 0,
+            frames_shown: 0,
             compiled: Compiled::default(),
             meshes: Arc::default(),
         };
@@ -187,7 +190,7 @@ impl Document {
         self.tree.materials().nth(index).map(|node| node.id)
     }
 
-    /// Grows with each change of the texts.
+    /// Grows with each change of the texts, and of the frame on show.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -332,7 +335,7 @@ impl Document {
 
     fn parsed(&mut self, old: &Tree, change: &Change, remembered: &[(FileId, usize, NodeId)]) -> Tree {
         let before = Before { outline: &old.outline, change, remembered };
-        Tree::parse(&self.disk, &self.options, &mut self.files, before, &mut self.identities)
+        Tree::parse(&self.disk, &self.options, None, &mut self.files, before, &mut self.identities)
     }
 }
 

@@ -91,6 +91,12 @@ impl Outline {
         Some(&self.nodes[place])
     }
 
+    /// The last node whose item does not come after this one.
+    pub(super) fn last_up_to(&self, item: u32) -> Option<&Node> {
+        let place = self.nodes.partition_point(|node| node.item <= item).checked_sub(1)?;
+        Some(&self.nodes[place])
+    }
+
     /// The innermost node that holds byte `at` of a file.
     pub fn at_byte(&self, file: FileId, at: usize) -> Option<&Node> {
         self.nodes.iter().rev().find(|node| node.file == file && node.span.contains(&at))

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use kajo_core::compile::clock_of;
 use kajo_core::settings::Dialect;
 use kajo_scene::{Clock, Diagnostics, Item, Limits, Parsed, SceneDesc, SourceId, Span};
 
@@ -42,9 +43,12 @@ pub(super) struct Before<'a> {
 impl Tree {
     /// Parses the scene that `disk` stands for, with `files` in the place of what is on disk. Files that are included
     /// for the first time are added to them.
+    ///
+    /// * `clock`: the moments to parse it for, where they are known
     pub fn parse(
         disk: &FsAssets,
         options: &LoadOptions,
+        clock: Option<Clock>,
         files: &mut Vec<SceneFile>,
         before: Before<'_>,
         identities: &mut Identities,
@@ -52,7 +56,10 @@ impl Tree {
         let overlay = Overlay { disk, files };
         let parse =
             |clock: &Clock, limits: &Limits| SceneDesc::load_at(disk.scene_name(), &overlay, limits, clock);
-        let (parsed, _) = parse_scene(options, || options.limits.clone(), parse);
+        let parsed = match clock {
+            Some(clock) => parse(&clock, &options.limits.clone()),
+            None => parse_scene(options, || options.limits.clone(), parse).0,
+        };
         let Parsed { desc, diagnostics, whole } = parsed;
         let mut by_source = HashMap::new();
         for (source, text) in desc.sources().iter() {
@@ -69,6 +76,12 @@ impl Tree {
         let outline = identities.outline(&desc, file_of, before.outline, before.change, before.remembered);
         let texts = files.iter().map(|file| file.text.clone()).collect();
         Tree { desc, diagnostics, whole, outline, dialect: options.dialect, files: by_source, texts }
+    }
+
+    /// The moments for which a text that is at some of its own is to be parsed to be at those that are asked for; `None` where
+    /// that does not matter.
+    pub fn clock_of(&self, options: &LoadOptions) -> Option<Clock> {
+        clock_of(&self.desc, &options.compile_options(options.limits.clone()))
     }
 
     pub fn file_of(&self, source: SourceId) -> FileId {
@@ -97,6 +110,15 @@ impl Tree {
     /// The parent of a node.
     pub fn parent(&self, node: &Node) -> Option<&Node> {
         node.parent.and_then(|id| self.outline.get(id))
+    }
+
+    /// The innermost node that an item stands in, or that it is.
+    pub fn node_around(&self, item: u32) -> Option<&Node> {
+        let mut node = self.outline.last_up_to(item)?;
+        while self.item(node)?.next_index() <= item {
+            node = self.parent(node)?;
+        }
+        Some(node)
     }
 
     /// The last block of a kind that stands in no other: the one that counts.

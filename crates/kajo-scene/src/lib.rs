@@ -63,6 +63,7 @@ mod vdb;
 mod volume;
 mod voxels;
 mod weld;
+mod written_keys;
 
 pub use args::Args;
 pub use assets::{
@@ -100,3 +101,4 @@ pub use tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
 pub use vdb::{GridEntry, GridMap, VoxelGrid, is_vdb, list_vdb, read_vdb};
 pub use volume::{RawVolume, VolumeEncoding, VolumeError, VolumeFile, read_volume};
 pub use voxels::{Block, SparseVoxels, VoxelValue};
+pub use written_keys::{KeysOwner, WrittenKey, WrittenKeys};

@@ -8,6 +8,7 @@
 use crate::clock::Clock;
 use crate::edit::format_number;
 use crate::source::{SourceId, Sources, Span};
+use crate::written_keys::WrittenKeys;
 use kajo_math::tape::Tape;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -24,6 +25,8 @@ pub struct SceneDesc {
     pub(crate) expressions: Vec<Expression>,
     /// The functions, in the order of their items.
     pub(crate) functions: Vec<Function>,
+    /// The blocks of keys, in the order of the text.
+    pub(crate) keyed: Vec<WrittenKeys>,
     /// The moments for which it was evaluated.
     pub(crate) clock: Clock,
     /// Whether anything in it depends on the time.
@@ -127,6 +130,11 @@ impl SceneDesc {
     /// The numbers that are written as expressions, where they stand, and the named value where they are its name alone.
     pub fn expressions(&self) -> impl Iterator<Item = (Span, Option<NamedValue>)> {
         self.expressions.iter().map(|found| (found.place, found.value.map(|i| self.values[i as usize])))
+    }
+
+    /// The blocks of keys, in the order of the text.
+    pub fn keyed(&self) -> &[WrittenKeys] {
+        &self.keyed
     }
 
     /// The moments for which it was evaluated.

@@ -22,6 +22,7 @@ mod strip;
 mod text_editor;
 mod text_panel;
 pub mod theme;
+mod time_panel;
 mod viewport;
 mod widgets;
 

@@ -18,6 +18,7 @@ mod render_options;
 mod selection;
 mod sight;
 mod steps;
+mod time_line;
 mod tracer;
 mod turntable;
 mod typing;
@@ -49,6 +50,7 @@ pub use render_options::{Habits, PictureSize, RenderOptions};
 pub use selection::Selection;
 pub use sight::BACKGROUND;
 pub use steps::CameraState;
+pub use time_line::TimeLine;
 pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
@@ -127,6 +129,8 @@ pub struct Studio {
     pub pictures: Pictures,
     /// The trace.
     pub tracer: Tracer,
+    /// The frame on show, and the keys of the scene.
+    pub time_line: TimeLine,
     /// The newest thing to say.
     pub notice: Option<Notice>,
     /// Pixels of the viewport.
@@ -183,6 +187,7 @@ impl Studio {
             view: View::Color,
             pictures: Pictures::default(),
             tracer: Tracer::new(Arc::clone(&wake)),
+            time_line: TimeLine::new(),
             notice: None,
             window: [800, 600],
             gizmo: None,
@@ -212,6 +217,7 @@ impl Studio {
     /// Does what the user wants.
     pub fn apply(&mut self, action: Action) {
         match action {
+            action if action.is_of_time() => self.time_action(action),
             Action::Open(_) | Action::New | Action::Close | Action::Recover => self.leave(action),
             Action::Answer(answer) => self.answer(answer),
             Action::Reload => self.reload(),
@@ -273,6 +279,7 @@ impl Studio {
         }
         self.take_copy();
         self.adopt_scene();
+        self.pass_time();
         if let Some(preview) = self.previewer.take_latest().filter(|(version, _)| version.0 == self.opened) {
             self.preview = Some(preview);
         }

@@ -20,6 +20,7 @@ use crate::lexer::{TokenKind, Tokens};
 use crate::nearest::nearest;
 use crate::source::Span;
 use crate::tree::Expression;
+use crate::written_keys::{KeysOwner, WrittenKey, WrittenKeys};
 
 pub(super) const KEYS: &str = "keys";
 
@@ -38,8 +39,10 @@ impl Parser<'_> {
             return None;
         }
         match self.read_keys(text, word.start as usize) {
-            Ok((curve, end)) => {
-                let place = Span { end: end as u32, ..word };
+            Ok(read) => {
+                let place = Span { end: read.end as u32, ..word };
+                let (first, end) = self.desc.nodes[taker as usize].numbers;
+                let curve = self.note_keys(KeysOwner::Item { item: taker, first: end - first }, place, read);
                 let frames = |moment| self.clock.frames_at(moment);
                 let rows: Vec<Vec<f64>> = (0..self.clock.len()).map(|i| curve.at(frames(i))).collect();
                 self.desc.changes = true;
@@ -63,8 +66,9 @@ impl Parser<'_> {
     }
 
     /// Keys of one number that stand where an expression may, and where they end; `None` when none stand there.
+    /// They are those of the value that is named next.
     pub(super) fn one_key_curve(
-        &self,
+        &mut self,
         text: &str,
         start: usize,
     ) -> Option<Result<Changing, ExpressionError>> {
@@ -72,19 +76,33 @@ impl Parser<'_> {
         if !is_word || !are_keys(text, (start + KEYS.len()) as u32, true) {
             return None;
         }
-        Some(self.read_keys(text, start).and_then(|(curve, end)| {
-            if curve.width() != 1 {
-                let message = format!("one number is wanted here, and these keys have {}", curve.width());
+        Some(self.read_keys(text, start).and_then(|read| {
+            let (end, width) = (read.end, read.curve.width());
+            if width != 1 {
+                let message = format!("one number is wanted here, and these keys have {width}");
                 return Err(ExpressionError { message, at: start..end, help: None });
             }
+            let owner = KeysOwner::Value(self.desc.values.len() as u32);
+            let place = Span { source: self.source(), start: start as u32, end: end as u32 };
+            let curve = self.note_keys(owner, place, read);
             let at = |moment| curve.one_at(self.clock.frames_at(moment), 0);
             let values: Vec<f64> = (0..self.clock.len()).map(at).collect();
             Ok(Changing { evaluated: Evaluated { value: values[0], end, is_name: false }, values })
         }))
     }
 
+    /// Remembers where keys are written; returns their curves.
+    fn note_keys(&mut self, owner: KeysOwner, place: Span, read: ReadKeys) -> KeyedNumbers {
+        let ReadKeys { curve, rows: keys, interpolation, outside, .. } = read;
+        if self.is_first_turn() {
+            let is_repeated = !self.repeats.is_empty();
+            self.desc.keyed.push(WrittenKeys { place, owner, interpolation, outside, keys, is_repeated });
+        }
+        curve
+    }
+
     /// The curves of keys, their times in frames, and where the block ends.
-    fn read_keys(&self, text: &str, start: usize) -> Result<(KeyedNumbers, usize), ExpressionError> {
+    fn read_keys(&self, text: &str, start: usize) -> Result<ReadKeys, ExpressionError> {
         let mut tokens = Tokens::resume(text, (start + KEYS.len()) as u32);
         let (mut interpolation, mut outside) = (Interpolation::default(), Outside::default());
         let mut at = loop {
@@ -96,20 +114,26 @@ impl Parser<'_> {
                 _ => read_mode(&text[token.range()], token.range(), &mut interpolation, &mut outside)?,
             }
         };
-        let mut rows: Vec<Row> = Vec::new();
+        let mut rows: Vec<WrittenKey> = Vec::new();
         loop {
             let next = Tokens::resume(text, at as u32).next_significant();
             let Some(next) = next else { return Err(unclosed(start..at)) };
             if next.kind == TokenKind::CloseBrace {
-                let whole = start..next.end as usize;
-                return Ok((self.curve(&rows, whole.clone(), interpolation, outside)?, whole.end));
+                let end = next.end as usize;
+                let curve = self.curve(&rows, start..end, interpolation, outside)?;
+                return Ok(ReadKeys { curve, rows, interpolation, outside, end });
             }
             at = self.key_number(text, next.start as usize, &mut rows)?;
         }
     }
 
     /// Reads a number of a block of keys, which may be the time of the next one; returns where it ends.
-    fn key_number(&self, text: &str, start: usize, rows: &mut Vec<Row>) -> Result<usize, ExpressionError> {
+    fn key_number(
+        &self,
+        text: &str,
+        start: usize,
+        rows: &mut Vec<WrittenKey>,
+    ) -> Result<usize, ExpressionError> {
         let Changing { evaluated: Evaluated { value, end, .. }, values } =
             self.evaluate_changing(text, start, Around::List)?;
         let at = start..end;
@@ -120,7 +144,7 @@ impl Parser<'_> {
         }
         let rest = text[end..].trim_start();
         if rest.starts_with(':') {
-            rows.push(Row { time: value, at, values: Vec::new() });
+            rows.push(WrittenKey { time: value, time_place: at, values: Vec::new() });
             return Ok(text.len() - rest.len() + 1);
         }
         ends_well(text, end)?;
@@ -128,19 +152,20 @@ impl Parser<'_> {
             let message = "a key begins with its time and `:`".to_owned();
             return Err(ExpressionError { message, at, help: Some(USAGE.to_owned()) });
         };
-        row.values.push(value);
+        row.values.push((value, at));
         Ok(end)
     }
 
     fn curve(
         &self,
-        rows: &[Row],
+        rows: &[WrittenKey],
         whole: Range<usize>,
         interpolation: Interpolation,
         outside: Outside,
     ) -> Result<KeyedNumbers, ExpressionError> {
+        let numbers = |row: &WrittenKey| row.values.iter().map(|(value, _)| *value).collect();
         let keys: Vec<(f64, Vec<f64>)> =
-            rows.iter().map(|row| (self.clock.in_frames(row.time), row.values.clone())).collect();
+            rows.iter().map(|row| (self.clock.in_frames(row.time), numbers(row))).collect();
         KeyedNumbers::new(&keys, interpolation, outside)
             .map_err(|error| {
                 let usage = Some(USAGE.to_owned());
@@ -150,12 +175,12 @@ impl Parser<'_> {
                         let before = rows[i.saturating_sub(1)].time;
                         let message =
                             format!("keys stand in the order of time, each later than the last ({before})");
-                        (message, rows[i].at.clone(), None)
+                        (message, rows[i].time_place.clone(), None)
                     }
                     KeyedError::Values(i) => {
                         let (first, here) = (rows[0].values.len(), rows[i].values.len());
                         let message = format!("this key has {here} values, and the first one {first}");
-                        (message, rows[i].at.clone(), None)
+                        (message, rows[i].time_place.clone(), None)
                     }
                 };
                 ExpressionError { message, at, help }
@@ -165,17 +190,19 @@ impl Parser<'_> {
                     return Ok(curve);
                 }
                 let message = "a key has a value behind its time".to_owned();
-                Err(ExpressionError { message, at: rows[0].at.clone(), help: Some(USAGE.to_owned()) })
+                Err(ExpressionError { message, at: rows[0].time_place.clone(), help: Some(USAGE.to_owned()) })
             })
     }
 }
 
-/// A key as it is written.
-struct Row {
-    time: f64,
-    /// Where its time stands.
-    at: Range<usize>,
-    values: Vec<f64>,
+/// What was read of a block of keys.
+struct ReadKeys {
+    curve: KeyedNumbers,
+    rows: Vec<WrittenKey>,
+    interpolation: Interpolation,
+    outside: Outside,
+    /// One past the closing brace.
+    end: usize,
 }
 
 fn unclosed(at: Range<usize>) -> ExpressionError {

@@ -322,6 +322,11 @@ impl Parser<'_> {
         Ok(Some(body))
     }
 
+    /// Whether no text around here was read before, in an earlier turn.
+    pub(super) fn is_first_turn(&self) -> bool {
+        self.repeats.iter().all(|repeat| repeat.turn == 0)
+    }
+
     /// Counts a turn as an item.
     fn count_turn(&mut self, place: Span) -> Result<(), Stop> {
         self.turns += 1;

@@ -22,6 +22,7 @@ use super::text_panel::TextPanel;
 use super::viewport::{self, Area};
 use super::{
     help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, theme,
+    time_panel,
 };
 use crate::state::{Action, Answer, Apart, Compare, Habits, Histogram, Question, Shown, Studio, Wake};
 
@@ -40,6 +41,8 @@ pub struct Layout {
     pub tab: Tab,
     /// The tab at the bottom, if there is one open.
     pub bottom: Option<Bottom>,
+    /// Whether there is a time line; where nobody has said it, there is one for scenes that change with time.
+    pub time_line: Option<bool>,
     /// The scenes opened last, newest first.
     pub recent: Vec<PathBuf>,
     /// How the user traces.
@@ -53,6 +56,7 @@ impl Default for Layout {
             light: false,
             tab: Tab::Object,
             bottom: None,
+            time_line: None,
             recent: Vec::new(),
             habits: Habits::default(),
         }
@@ -180,6 +184,12 @@ impl App {
         self.layout.habits = self.studio.options.habits.clone();
     }
 
+    /// Whether there is a time line.
+    pub fn has_time_line(&self) -> bool {
+        let is_wanted = self.layout.time_line.unwrap_or_else(|| self.studio.time_line.has_time());
+        is_wanted && self.studio.document.is_some()
+    }
+
     /// Where the picture was in the last frame.
     pub fn area(&self) -> Option<Area> {
         self.area
@@ -281,6 +291,14 @@ impl App {
         let room = ui.ctx().content_rect().size();
         let share = |small, large| if room.x < SMALL { small } else { large };
         self.bottom_panel(ui, room, actions);
+        if self.has_time_line() {
+            let [height, least] = time_panel::HEIGHTS;
+            let panel = Panel::bottom("time")
+                .resizable(true)
+                .default_size(height.min(0.3 * room.y))
+                .size_range(least..=(0.5 * room.y).clamp(least, 500.0));
+            panel.frame(frame_of_panel(ui)).show(ui, |ui| time_panel::show(ui, &self.studio, actions));
+        }
         if let Some(document) = &self.studio.document {
             let panel = Panel::left("outliner")
                 .resizable(true)
@@ -566,6 +584,10 @@ impl App {
                 ctx.set_theme(theme_of(&self.layout));
             }
             Command::Help => self.help = !self.help,
+            Command::TimeLine => {
+                self.layout.time_line = Some(!self.has_time_line());
+                self.layout.panels |= self.has_time_line();
+            }
             Command::Panels => self.layout.panels = !self.layout.panels,
             Command::Escape if self.help => self.help = false,
             Command::Escape if self.studio.has_grip() => actions.push(Action::CancelDrag),

@@ -34,6 +34,8 @@ pub enum Command {
     Help,
     /// Shows or hides the panels around the viewport.
     Panels,
+    /// Shows or hides the time line.
+    TimeLine,
     /// Goes from dark colours to light ones, or back.
     Theme,
     /// Closes what is open, or gives up what is going on.
@@ -106,6 +108,12 @@ pub fn shortcuts() -> Vec<Shortcut> {
         (NONE, Key::Num1, Do(Action::Gizmo(Some(Mode::Move))), "Show or hide the arrows that move"),
         (NONE, Key::Num2, Do(Action::Gizmo(Some(Mode::Turn))), "Show or hide the rings that turn"),
         (NONE, Key::Num3, Do(Action::Gizmo(Some(Mode::Scale))), "Show or hide the boxes that scale"),
+        (NONE, Key::T, Command::TimeLine, "Show or hide the time line"),
+        (NONE, Key::K, Do(Action::Play), "Play the frames, or stop that"),
+        (NONE, Key::Comma, Do(Action::StepFrame(-1)), "Back a frame"),
+        (NONE, Key::Period, Do(Action::StepFrame(1)), "On a frame"),
+        (Modifiers::SHIFT, Key::Comma, Do(Action::StepKey(false)), "Back to the key before"),
+        (Modifiers::SHIFT, Key::Period, Do(Action::StepKey(true)), "On to the next key"),
         (NONE, Key::P, Command::Panels, "Show or hide the panels"),
         (NONE, Key::F1, Command::Help, "Show or hide this list"),
         (NONE, Key::Escape, Command::Escape, "Stop tracing; close what is open"),

@@ -50,6 +50,7 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
         });
         ui.menu_button("Window", |ui| {
             item(ui, "Panels", "P", commands, Command::Panels);
+            item(ui, "Time line", "T", commands, Command::TimeLine);
             let theme = if ui.visuals().dark_mode { "Light colours" } else { "Dark colours" };
             item(ui, theme, "", commands, Command::Theme);
             item(ui, "Keys and mouse", "F1", commands, Command::Help);

@@ -100,6 +100,22 @@ pub enum Action {
     /// Another height of the picture of parallel rays, in world units.
     SetHeight(f64),
 
+    // Time.
+    /// Shows the scene as it is at a frame.
+    ShowFrame(i64),
+    /// Goes this many frames on, or back.
+    StepFrame(i64),
+    /// Goes to the next key, or to the one before if not so.
+    StepKey(bool),
+    /// Plays the frames one after the other, or stops that.
+    Play,
+    /// Begins anew at the end of the frames, or does not.
+    Loop(bool),
+    /// Writes another rate of frames into the scene, per second.
+    SetRate(f64),
+    /// Writes the first and the last frame into the scene.
+    SetFrames([i64; 2]),
+
     // Selection.
     /// Chooses these nodes.
     Select(Vec<NodeId>),
@@ -166,6 +182,22 @@ pub enum Action {
     Undo,
     /// Does it again.
     Redo,
+}
+
+impl Action {
+    /// Whether it is about the time line.
+    pub(super) fn is_of_time(&self) -> bool {
+        matches!(
+            self,
+            Action::ShowFrame(_)
+                | Action::StepFrame(_)
+                | Action::StepKey(_)
+                | Action::Play
+                | Action::Loop(_)
+                | Action::SetRate(_)
+                | Action::SetFrames(_)
+        )
+    }
 }
 
 /// What the user decides.

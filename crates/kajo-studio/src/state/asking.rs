@@ -125,7 +125,7 @@ impl Studio {
 
     /// Whether the document on show may give way to another.
     pub(super) fn may_go(&self) -> bool {
-        let text = self.document.as_ref().map_or(0, Document::generation);
+        let text = self.document.as_ref().map_or(0, Document::text_generation);
         !self.has_unsaved_edits() || self.asking.given_up == Some((self.opened, text))
     }
 
@@ -200,7 +200,7 @@ impl Studio {
                 self.save(None);
             }
             (Question::Unsaved { then }, Answer::Drop) => {
-                let text = self.document.as_ref().map_or(0, Document::generation);
+                let text = self.document.as_ref().map_or(0, Document::text_generation);
                 self.asking.given_up = Some((self.opened, text));
                 self.go(*then);
             }

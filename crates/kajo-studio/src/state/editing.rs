@@ -198,7 +198,7 @@ impl Studio {
     }
 
     /// Begins a drag of a field, unless it is under way.
-    fn begin_drag(&mut self, node: NodeId, key: &str, nth: usize) {
+    pub(super) fn begin_drag(&mut self, node: NodeId, key: &str, nth: usize) {
         if self.dragged.as_ref().is_some_and(|dragged| dragged.is(node, key, nth)) {
             return;
         }
@@ -307,6 +307,7 @@ impl Studio {
         self.sight.clear();
         self.tracer.clear();
         self.shown = super::Shown::Preview;
+        self.time_line = self.time_line.cleared();
         self.after_compile();
         self.view_action(Action::ResetCamera);
         self.steps.clear();

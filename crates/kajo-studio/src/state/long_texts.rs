@@ -3,7 +3,7 @@
 //! Every edit has the text parsed anew, which takes about a second for a million lines. While something in such a text
 //! is dragged, and when another program has written it, a thread does that on a copy of the document, and the copy
 //! takes the document's place. Of the edits of a drag only the newest counts, since each starts from the text before the
-//! drag. Whatever else is to be done to the document waits for the copy.
+//! drag, and of frames of an animation the newest. Whatever else is to be done to the document waits for the copy.
 
 use std::thread;
 
@@ -24,6 +24,8 @@ pub enum Task {
     Reload,
     /// Reading again what other programs have written.
     TakeTheirs,
+    /// Showing it as it is at a frame.
+    ShowFrame(i64),
 }
 
 impl Task {
@@ -36,6 +38,10 @@ impl Task {
             Task::Apply(edit) => document.apply(edit).map(drop).map_err(|refused| refused.to_string()),
             Task::Reload => document.reload().map(drop).map_err(|error| error.to_string()),
             Task::TakeTheirs => document.take_theirs().map(drop).map_err(|error| error.to_string()),
+            Task::ShowFrame(frame) => {
+                document.show_frame(*frame);
+                Ok(())
+            }
         }
     }
 }
@@ -118,7 +124,7 @@ impl Studio {
         match (copied.problem, copied.task) {
             (Some(problem), _) => self.say(&problem, true),
             (None, Task::Reload | Task::TakeTheirs) => self.was_reloaded(&chosen),
-            (None, Task::Apply(_)) => {}
+            (None, Task::Apply(_) | Task::ShowFrame(_)) => {}
         }
         if let Some(task) = next {
             self.do_beside(task);

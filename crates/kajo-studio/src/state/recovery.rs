@@ -84,7 +84,7 @@ impl Recovery {
     ///
     /// * `opened`: the number of the document
     pub fn keep(&mut self, opened: u64, document: &Document) {
-        let state = (opened, document.generation(), document.has_unsaved_edits());
+        let state = (opened, document.text_generation(), document.has_unsaved_edits());
         if self.ordered == Some(state) {
             return;
         }

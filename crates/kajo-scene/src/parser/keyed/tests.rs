@@ -131,3 +131,26 @@ fn bad_keys_are_said_with_their_place() {
         "keys { 0: 1  1: 2 }"
     );
 }
+
+#[test]
+fn keys_are_known_by_where_they_are_written() {
+    let text = "let r = keys { 0: 1 }  let one = 1
+        Sphere { center 7 keys cubic loop { 0: 0 1 /* x */ (1 / 2): one 3 }  radius r }
+        repeat i 2 { Disk { radius keys { i: 1  2: 2 } } }";
+    let parsed = parse(text);
+    assert_eq!(parsed.diagnostics.iter().count(), 0);
+    let keyed = parsed.desc.keyed();
+    let [value, center, radius] = keyed else { panic!("{keyed:?}") };
+    assert_eq!((value.owner, value.keys[0].time), (crate::KeysOwner::Value(0), 0.0));
+    assert_eq!(parsed.desc.named_values().next().unwrap().0, "r");
+    assert!(
+        text[center.place.range()].starts_with("keys cubic") && text[center.place.range()].ends_with('}')
+    );
+    let crate::KeysOwner::Item { item, first } = center.owner else { panic!() };
+    assert_eq!((parsed.desc.item(item).unwrap().keyword(), first), ("center", 1));
+    let last = &center.keys[1];
+    assert_eq!((last.time, &text[last.time_place.clone()]), (0.5, "(1 / 2)"));
+    let values: Vec<(f64, &str)> = last.values.iter().map(|(v, at)| (*v, &text[at.clone()])).collect();
+    assert_eq!(values, [(1.0, "one"), (3.0, "3")]);
+    assert!(radius.is_repeated && !center.is_repeated, "once for both turns");
+}
