@@ -17,6 +17,10 @@ static FILES: LazyLock<MemoryAssets> = LazyLock::new(|| {
         .with("short.df3", [0, 9, 0, 9, 0, 9, 255])
         .with("empty.vol", [])
         .with("bytes.raw", [0, 255, 51, 102])
+        .with("haze.txt", "# degrees, value\n0 30\n90, 0.5\n180 1\n")
+        .with("back.txt", "180 1\n0 1\n")
+        .with("words.txt", "0 1\nback 2\n")
+        .with("binary.txt", [0xff, 0xfe, 0x00])
         .with("cloud.vdb", cloud_vdb())
         .with("cloud.nvdb", nano_vdb::to_bytes(&[smoke("density", [1.0, 0.5])], VdbCompression::Zip))
         .with("cut.vdb", &cloud_vdb()[..2000])
@@ -71,6 +75,37 @@ fn coefficients_are_said_in_three_ways() {
         let made = media.coefficients(scene.lighting.air.expect("the air"));
         let rgb = Wavelengths::RGB;
         assert_eq!((made.sigma_a(&rgb).to_rgb(), made.sigma_s(&rgb).to_rgb()), (sigma_a, sigma_s), "{text}");
+    }
+}
+
+/// A phase function is said by its word, or by what belongs to one of them alone.
+#[test]
+fn phase_functions_are_said_by_words_and_by_numbers() {
+    for (text, name, mean_cosine) in [
+        ("", "Isotropic", 0.0),
+        ("g 0.5", "HenyeyGreenstein", 0.5),
+        ("phase rayleigh", "Rayleigh", 0.0),
+        ("phase mie", "Mie", 0.8793),
+        ("droplets 5", "Mie", 0.8434),
+        ("phase mie droplets 50", "Mie", 0.8912),
+        ("phaseTable 0 2 180 0", "Table", 0.333),
+        ("phaseAngle cosine phaseTable -1 0 1 7", "Table", 0.333),
+        ("phase table phaseFile haze.txt", "Table", 0.6042),
+    ] {
+        let (scene, said) = media(&format!("Medium m {{ density 1 {text} }} exterior m"));
+        let scene = scene.filter(|_| said.is_empty()).unwrap_or_else(|| panic!("{text}: {said:?}"));
+        let phase = scene.appearance.media.coefficients(scene.lighting.air.expect("the air")).phase();
+        assert!(format!("{phase:?}").starts_with(name), "{text}: {phase:?}");
+        assert!((phase.mean_cosine() - mean_cosine).abs() < 1e-3, "{text}: {}", phase.mean_cosine());
+    }
+    for (text, message) in [
+        ("phase rayleigh g 0.5", "`g` has no effect with this `phase`"),
+        ("phase isotropic droplets 20", "`droplets` has no effect with this `phase`"),
+        ("phase mie phaseTable 0 1 180 1", "`phaseTable` has no effect with this `phase`"),
+        ("phaseAngle cosine", "`phaseAngle` has no effect without `phaseTable` or `phaseFile`"),
+    ] {
+        let (scene, said) = media(&format!("Medium m {{ density 1 {text} }}"));
+        assert!(scene.is_some() && said == [message], "{text}: {said:?}");
     }
 }
 
@@ -132,6 +167,28 @@ fn mistakes_are_named() {
         ("Medium m { meanFreePath 0 }", "`meanFreePath` is more than 0"),
         ("Medium m { density 1 g 1 }", "`g` is more than -1 and less than 1"),
         ("Medium m { density 1 g -1.5 }", "`g` is more than -1 and less than 1"),
+        ("Medium m { density 1 droplets 4 }", "`droplets` must be at least 5 and at most 50, found 4"),
+        ("Medium m { density 1 droplets 51 }", "`droplets` must be at least 5 and at most 50, found 51"),
+        ("Medium m { density 1 droplets 9 g 0.5 }", "`g` cannot stand beside `droplets`"),
+        ("Medium m { density 1 phase table }", "`phase table` has no numbers"),
+        ("Medium m { density 1 phaseTable 0 1 90 }", "`phaseTable` takes pairs"),
+        (
+            "Medium m { density 1 phaseTable 0 1 }",
+            "at least two pairs of an angle and a value, and here is one",
+        ),
+        ("Medium m { density 1 phaseTable 0 1 200 1 }", "pair 2: an angle is from 0 to 180 degrees"),
+        ("Medium m { density 1 phaseTable 90 1 0 1 }", "pair 2: angles, or their cosines, must increase"),
+        ("Medium m { density 1 phaseTable 0 1 180 -2 }", "pair 2: a value is finite and not negative"),
+        ("Medium m { density 1 phaseTable 0 0 180 0 }", "all values are 0"),
+        ("Medium m { density 1 phaseAngle cosine phaseTable -1 1 2 1 }", "pair 2: a cosine is from -1 to 1"),
+        (
+            "Medium m { density 1 phaseTable 0 1 180 1 phaseFile haze.txt }",
+            "`phaseTable` cannot stand beside",
+        ),
+        ("Medium m { density 1 phaseFile none.txt }", "cannot read `none.txt`: there is no such file"),
+        ("Medium m { density 1 phaseFile back.txt }", "cannot read `back.txt`: pair 2: angles"),
+        ("Medium m { density 1 phaseFile words.txt }", "`words.txt`: line 2: expected an angle and a value"),
+        ("Medium m { density 1 phaseFile binary.txt }", "cannot read `binary.txt`: it is not text"),
         ("Medium m { density 1 scale -1 }", "at least 0"),
         ("Medium m { density 1 } exterior n", "there is no medium named `n`"),
         ("Medium m { emission 1 } exterior m", "endlessly bright"),

@@ -1,35 +1,52 @@
 //! Phase functions of media.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use kajo_math::{Vec3, warp};
 
 use super::{Census, Draw, Furnace, Who, kinds};
 use crate::medium::Phase;
-use crate::medium::phase::HenyeyGreenstein;
+use crate::medium::phase::{HenyeyGreenstein, MiePhase, PhaseAngle, PhaseTable};
 
-kinds!(Phase: Isotropic, HenyeyGreenstein, Rayleigh);
+kinds!(Phase: Isotropic, HenyeyGreenstein, Rayleigh, Mie, Table);
 
 pub(super) fn census() -> Census {
-    Census { family: "phase", kinds: KINDS.to_vec(), pointlike: &[], unpowered: &[] }
+    // All lobes of droplets are narrow; see `furnaces`.
+    Census { family: "phase", kinds: KINDS.to_vec(), pointlike: &[], unpowered: &["Mie"] }
 }
+
+/// Forwards, with a peak backwards.
+const RAINBOW: &[(f32, f32)] =
+    &[(0.0, 9.0), (15.0, 4.0), (60.0, 0.5), (130.0, 0.2), (142.0, 2.0), (180.0, 0.3)];
+/// Nothing straight on.
+const SIDEWAYS: &[(f32, f32)] = &[(0.0, 0.0), (40.0, 2.0), (80.0, 0.0), (100.0, 0.0), (180.0, 1.0)];
 
 fn all() -> impl Iterator<Item = (Who, Phase, Vec3)> {
     let lobe = |g| Phase::HenyeyGreenstein(HenyeyGreenstein::new(g).expect("a mean cosine"));
-    let phases = [Phase::Isotropic, Phase::Rayleigh, lobe(0.0), lobe(0.6), lobe(-0.8)];
+    let droplets = |diameter| Phase::Mie(MiePhase::new(diameter).expect("a diameter"));
+    let mut phases = vec![Phase::Isotropic, Phase::Rayleigh, lobe(0.0), lobe(0.6), lobe(-0.8)];
+    phases.extend([droplets(5.0), droplets(20.0)]);
+    for pairs in [RAINBOW, SIDEWAYS] {
+        let table = PhaseTable::new(pairs, PhaseAngle::Degrees).expect("a table");
+        phases.push(Phase::Table(Arc::new(table)));
+    }
     phases.into_iter().flat_map(|phase| {
         [Vec3::Z, Vec3::new(0.48, -0.6, 0.64)].map(|wo| {
             let name = format!("{phase:?} from {wo}");
-            (Who { family: "phase", kind: kind(&phase), name }, phase, wo)
+            (Who { family: "phase", kind: kind(&phase), name }, phase.clone(), wo)
         })
     })
 }
 
 pub(super) fn draws() -> Vec<Draw> {
-    let draw = |(who, phase, wo): (Who, Phase, Vec3)| Draw {
-        who,
-        draw: Box::new(move |u, _| Some(phase.sample(wo, u).wi)),
-        pdf: Box::new(move |wi| phase.eval(wo, wi)),
+    let draw = |(who, phase, wo): (Who, Phase, Vec3)| {
+        let drawn = phase.clone();
+        Draw {
+            who,
+            draw: Box::new(move |u, _| Some(drawn.sample(wo, u).wi)),
+            pdf: Box::new(move |wi| phase.eval(wo, wi)),
+        }
     };
     all().map(draw).collect()
 }

@@ -191,8 +191,8 @@ impl Coefficients {
 
     /// Where to it scatters light.
     #[inline]
-    pub fn phase(&self) -> Phase {
-        self.phase
+    pub fn phase(&self) -> &Phase {
+        &self.phase
     }
 }
 

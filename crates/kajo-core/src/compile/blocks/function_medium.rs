@@ -7,6 +7,7 @@ use kajo_math::{Aabb, Vec3};
 use kajo_scene::{Diagnostic, Params};
 
 use super::medium::{CoefficientKeys, coefficients};
+use super::phase::PhaseKeys;
 use crate::compile::fields::{Keys, Sources, function, keys, point};
 use crate::compile::member::{MediumMember, Member};
 use crate::medium::FunctionMedium;
@@ -25,7 +26,7 @@ pub const MEMBER: MediumMember = Member {
         keyword: "FunctionMedium",
         kind: Kind::Medium,
         about: "haze or a cloud by a function of the place",
-        groups: &[FunctionKeys::FIELDS, CoefficientKeys::FIELDS],
+        groups: &[FunctionKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
     },
     read: |compiler, item| compiler.medium(item, read),
 };

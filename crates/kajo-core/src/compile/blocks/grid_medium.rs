@@ -4,6 +4,7 @@ use kajo_math::{Aabb, DAffine3, DMat3, Vec3};
 use kajo_scene::{Diagnostic, Item, Params, VoxelGrid};
 
 use super::medium::{CoefficientKeys, coefficients};
+use super::phase::PhaseKeys;
 use crate::compile::Compiler;
 use crate::compile::fields::{
     At, Keys, Sources, Typed, at_least, keys, number, report_beside, report_without,
@@ -43,7 +44,7 @@ pub const MEMBER: MediumMember = Member {
         keyword: "GridMedium",
         kind: Kind::Medium,
         about: "a cloud, smoke or fire, given voxel by voxel",
-        groups: &[GridKeys::FIELDS, HeatKeys::FIELDS, CoefficientKeys::FIELDS],
+        groups: &[GridKeys::FIELDS, HeatKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
     },
     read: |compiler, item| {
         let read = compiler.read_keys(item, |params, sources| {

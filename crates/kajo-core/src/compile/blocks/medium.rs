@@ -3,12 +3,10 @@
 use kajo_color::Emission;
 use kajo_scene::{Args, Diagnostic, Params};
 
-use crate::compile::fields::{
-    Keys, Plain, Sources, Typed, at_least, choice, choices, emission, keys, number, report_beside,
-};
+use super::phase::{PhaseKeys, phase};
+use crate::compile::fields::{Keys, Plain, Sources, Typed, at_least, emission, keys, report_beside};
 use crate::compile::member::{MediumMember, Member};
-use crate::medium::phase::HenyeyGreenstein;
-use crate::medium::{Coefficients, HomogeneousMedium, Phase};
+use crate::medium::{Coefficients, HomogeneousMedium};
 use crate::schema::Kind;
 use crate::schema::{Block, Constant, FieldKind, FieldSpec};
 
@@ -58,22 +56,6 @@ fn one_or_three(args: &mut Args<'_>) -> Result<[f32; 3], Diagnostic> {
     if args.numbers_left() == 1 { args.number().map(|v| [v; 3]) } else { args.numbers() }
 }
 
-/// The phase functions by their words.
-#[derive(Clone, Copy, PartialEq)]
-pub enum PhaseName {
-    Isotropic,
-    HenyeyGreenstein,
-    Rayleigh,
-}
-
-choices! {
-    PhaseName {
-        "henyeyGreenstein" => PhaseName::HenyeyGreenstein,
-        "isotropic" => PhaseName::Isotropic,
-        "rayleigh" => PhaseName::Rayleigh,
-    }
-}
-
 const SIGMA_A: &str = "sigma_a";
 const SIGMA_S: &str = "sigma_s";
 
@@ -100,12 +82,9 @@ keys! {
             .not_beside(&[SIGMA_A, SIGMA_S, "density"])
             .unlike("by the other keys", "1 1 1", "mean length between collisions"),
         scale: f32 = at_least("scale", 0.0).or(1.0, "makes all of it denser"),
-        phase: Option<PhaseName> = choice::<PhaseName>("phase")
-            .unlike("by `g`", "isotropic", "where to light is scattered"),
         emission: Option<Emission> = emission("emission")
             .unit("W/(m³ sr)")
             .presumed(Constant::Triple([0.0; 3]), "radiance per length that it gives itself"),
-        g: f32 = number("g").or(0.0, "mean cosine: -1 back, 0 to all sides, 1 straight on"),
     }
 }
 
@@ -114,7 +93,7 @@ pub const MEMBER: MediumMember = Member {
         keyword: "Medium",
         kind: Kind::Medium,
         about: "milk, haze, coloured water: what is the same everywhere",
-        groups: &[CoefficientKeys::FIELDS],
+        groups: &[CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {
@@ -133,7 +112,8 @@ pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> O
     // Grids may only emit, by a `temperature`.
     let any = [SIGMA_A, SIGMA_S, "density", "meanFreePath", "temperature"];
     let has_none = !any.into_iter().any(|key| params.contains(key));
-    let keys = CoefficientKeys::read(params, sources)?;
+    let (keys, phase) = (CoefficientKeys::read(params, sources), phase(params, sources));
+    let keys = keys?;
     if has_none && keys.emission.is_none() {
         let error = Diagnostic::error("this medium has no density");
         let help =
@@ -141,7 +121,7 @@ pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> O
         params.report(error.help(help), "does nothing to light");
         return None;
     }
-    let phase = phase(&keys, params)?;
+    let phase = phase?;
     let of = |value: Option<PerLength>| value.map_or([0.0; 3], |PerLength(value)| value);
     let scaled = |value: [f32; 3]| value.map(|v| v * keys.scale);
     let extinction = match keys.mean_free_path {
@@ -160,25 +140,4 @@ pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> O
         Some(emission) => made.with_emission(emission.scaled(keys.scale)),
         None => made,
     })
-}
-
-/// The phase function; one with a mean cosine that is none is reported.
-fn phase(keys: &CoefficientKeys, params: &mut Params<'_, '_>) -> Option<Phase> {
-    let implied = if keys.g == 0.0 { PhaseName::Isotropic } else { PhaseName::HenyeyGreenstein };
-    let name = keys.phase.unwrap_or(implied);
-    if name != PhaseName::HenyeyGreenstein {
-        params.idle(&["g"], "with this `phase`");
-    }
-    match name {
-        PhaseName::Isotropic => Some(Phase::Isotropic),
-        PhaseName::Rayleigh => Some(Phase::Rayleigh),
-        PhaseName::HenyeyGreenstein => {
-            let lobe = HenyeyGreenstein::new(keys.g);
-            if lobe.is_none() {
-                let error = Diagnostic::error("`g` is more than -1 and less than 1");
-                params.report(error, "a mean cosine of 1 would be no scattering");
-            }
-            lobe.map(Phase::HenyeyGreenstein)
-        }
-    }
 }

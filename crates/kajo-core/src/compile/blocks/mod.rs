@@ -46,6 +46,7 @@ pub(super) mod orthographic_camera;
 pub(super) mod panorama_camera;
 pub(super) mod patterns;
 pub(super) mod perspective_camera;
+pub(super) mod phase;
 pub(super) mod phong_material;
 pub(super) mod plane;
 pub(super) mod point_light;

@@ -4,6 +4,7 @@ use kajo_math::{Aabb, Vec3};
 use kajo_scene::{Diagnostic, Params};
 
 use super::medium::{CoefficientKeys, coefficients};
+use super::phase::PhaseKeys;
 use crate::compile::fields::{Keys, Sources, keys, point};
 use crate::compile::member::{MediumMember, Member};
 use crate::compile::operands::OPERAND;
@@ -22,7 +23,7 @@ pub const MEMBER: MediumMember = Member {
         keyword: "TextureMedium",
         kind: Kind::Medium,
         about: "smoke or a cloud by a texture",
-        groups: &[&[OPERAND], BoxKeys::FIELDS, CoefficientKeys::FIELDS],
+        groups: &[&[OPERAND], BoxKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
     },
     read: |compiler, item| compiler.medium(item, read),
 };

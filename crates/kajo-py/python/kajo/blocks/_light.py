@@ -33,11 +33,18 @@ class Medium(MediumBlock):
         mean_free_path: mean length between collisions (r g b, length). Default: by the other
             keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
-        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
-            by `g`.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
+        phase: where to light is scattered (henyeyGreenstein, isotropic, mie, rayleigh or
+            table). Default: by the other keys.
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+        droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
+            Default: 20 for `mie`.
+        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
+            Default: none.
+        phase_file: a file of such pairs, one on a line (file). Default: none.
+        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+            `degrees`.
     """
 
     keyword = "Medium"
@@ -51,9 +58,13 @@ class Medium(MediumBlock):
         density: Vector | None = None,
         mean_free_path: Vector | None = None,
         scale: Number | None = None,
-        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
         emission: Emission | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "mie", "rayleigh", "table"] | None = None,
         g: Number | None = None,
+        droplets: Number | None = None,
+        phase_table: Number | Vector | None = None,
+        phase_file: File | None = None,
+        phase_angle: Literal["cosine", "degrees"] | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.sigma_a = sigma_a
@@ -62,9 +73,13 @@ class Medium(MediumBlock):
         self.density = density
         self.mean_free_path = mean_free_path
         self.scale = scale
-        self.phase = phase
         self.emission = emission
+        self.phase = phase
         self.g = g
+        self.droplets = droplets
+        self.phase_table = phase_table
+        self.phase_file = phase_file
+        self.phase_angle = phase_angle
 
 
 class GridMedium(MediumBlock):
@@ -97,11 +112,18 @@ class GridMedium(MediumBlock):
         mean_free_path: mean length between collisions (r g b, length). Default: by the other
             keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
-        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
-            by `g`.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
+        phase: where to light is scattered (henyeyGreenstein, isotropic, mie, rayleigh or
+            table). Default: by the other keys.
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+        droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
+            Default: 20 for `mie`.
+        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
+            Default: none.
+        phase_file: a file of such pairs, one on a line (file). Default: none.
+        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+            `degrees`.
     """
 
     keyword = "GridMedium"
@@ -126,9 +148,13 @@ class GridMedium(MediumBlock):
         density: Vector | None = None,
         mean_free_path: Vector | None = None,
         scale: Number | None = None,
-        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
         emission: Emission | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "mie", "rayleigh", "table"] | None = None,
         g: Number | None = None,
+        droplets: Number | None = None,
+        phase_table: Number | Vector | None = None,
+        phase_file: File | None = None,
+        phase_angle: Literal["cosine", "degrees"] | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.file = file
@@ -148,9 +174,13 @@ class GridMedium(MediumBlock):
         self.density = density
         self.mean_free_path = mean_free_path
         self.scale = scale
-        self.phase = phase
         self.emission = emission
+        self.phase = phase
         self.g = g
+        self.droplets = droplets
+        self.phase_table = phase_table
+        self.phase_file = phase_file
+        self.phase_angle = phase_angle
 
 
 class FunctionMedium(MediumBlock):
@@ -167,11 +197,18 @@ class FunctionMedium(MediumBlock):
         mean_free_path: mean length between collisions (r g b, length). Default: by the other
             keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
-        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
-            by `g`.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
+        phase: where to light is scattered (henyeyGreenstein, isotropic, mie, rayleigh or
+            table). Default: by the other keys.
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+        droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
+            Default: 20 for `mie`.
+        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
+            Default: none.
+        phase_file: a file of such pairs, one on a line (file). Default: none.
+        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+            `degrees`.
     """
 
     keyword = "FunctionMedium"
@@ -189,9 +226,13 @@ class FunctionMedium(MediumBlock):
         density: Vector | None = None,
         mean_free_path: Vector | None = None,
         scale: Number | None = None,
-        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
         emission: Emission | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "mie", "rayleigh", "table"] | None = None,
         g: Number | None = None,
+        droplets: Number | None = None,
+        phase_table: Number | Vector | None = None,
+        phase_file: File | None = None,
+        phase_angle: Literal["cosine", "degrees"] | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.function = function
@@ -203,9 +244,13 @@ class FunctionMedium(MediumBlock):
         self.density = density
         self.mean_free_path = mean_free_path
         self.scale = scale
-        self.phase = phase
         self.emission = emission
+        self.phase = phase
         self.g = g
+        self.droplets = droplets
+        self.phase_table = phase_table
+        self.phase_file = phase_file
+        self.phase_angle = phase_angle
 
 
 class TextureMedium(MediumBlock):
@@ -223,11 +268,18 @@ class TextureMedium(MediumBlock):
         mean_free_path: mean length between collisions (r g b, length). Default: by the other
             keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
-        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
-            by `g`.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
+        phase: where to light is scattered (henyeyGreenstein, isotropic, mie, rayleigh or
+            table). Default: by the other keys.
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+        droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
+            Default: 20 for `mie`.
+        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
+            Default: none.
+        phase_file: a file of such pairs, one on a line (file). Default: none.
+        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+            `degrees`.
     """
 
     keyword = "TextureMedium"
@@ -244,9 +296,13 @@ class TextureMedium(MediumBlock):
         density: Vector | None = None,
         mean_free_path: Vector | None = None,
         scale: Number | None = None,
-        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
         emission: Emission | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "mie", "rayleigh", "table"] | None = None,
         g: Number | None = None,
+        droplets: Number | None = None,
+        phase_table: Number | Vector | None = None,
+        phase_file: File | None = None,
+        phase_angle: Literal["cosine", "degrees"] | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.texture = texture
@@ -258,9 +314,13 @@ class TextureMedium(MediumBlock):
         self.density = density
         self.mean_free_path = mean_free_path
         self.scale = scale
-        self.phase = phase
         self.emission = emission
+        self.phase = phase
         self.g = g
+        self.droplets = droplets
+        self.phase_table = phase_table
+        self.phase_file = phase_file
+        self.phase_angle = phase_angle
 
 
 class GradientIndex(MediumBlock):

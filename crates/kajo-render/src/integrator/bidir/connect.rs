@@ -69,7 +69,7 @@ struct SegmentShare {
     reach: f32,
 }
 
-impl<V: Volume> Bidirectional<'_, V> {
+impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     /// `s = 0`: the emission of a surface that the camera's path hits, `beta Le w`.
     ///
     /// * `from`: the vertex before, `None` where that is the lens
@@ -79,7 +79,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         at: &Interaction,
         wo: Vec3,
         camera_ray: &Ray,
-        from: Option<&Vertex<'_, V>>,
+        from: Option<&Vertex<'a, V>>,
     ) -> Option<Contribution> {
         let hit = self.scene().surface_light(at, -wo, &path.state.wavelengths)?;
         let (p, end) = (at.point.p, LightPoint::on(&at.point));
@@ -102,7 +102,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         path: &Subpath<'_>,
         d: Vec3,
         camera_ray: &Ray,
-        from: Option<&Vertex<'_, V>>,
+        from: Option<&Vertex<'a, V>>,
         mut found: impl FnMut(Contribution),
     ) {
         let scene = self.scene();
@@ -126,7 +126,7 @@ impl<V: Volume> Bidirectional<'_, V> {
     pub(super) fn direct_light(
         &self,
         path: &mut PathState<'_>,
-        z: &Vertex<'_, V>,
+        z: &Vertex<'a, V>,
         t: u32,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -175,7 +175,7 @@ impl<V: Volume> Bidirectional<'_, V> {
     /// `s > 1, t > 1`: two vertices that see each other.
     pub(super) fn join(
         &self,
-        [y, z]: [&Vertex<'_, V>; 2],
+        [y, z]: [&Vertex<'a, V>; 2],
         way: [u32; 2],
         Carried { wavelengths, time, hero, .. }: Carried<'_>,
         draws: &mut SampleStream<'_>,
@@ -229,7 +229,7 @@ impl<V: Volume> Bidirectional<'_, V> {
     /// Takes two numbers for the lens.
     pub(super) fn splat(
         &self,
-        y: &Vertex<'_, V>,
+        y: &Vertex<'a, V>,
         way: [u32; 2],
         Carried { wavelengths, time, hero, .. }: Carried<'_>,
         draws: &mut SampleStream<'_>,
@@ -357,7 +357,7 @@ impl<V: Volume> Bidirectional<'_, V> {
     #[inline]
     fn along(
         &self,
-        z: &Vertex<'_, V>,
+        z: &Vertex<'a, V>,
         wi: Vec3,
         distance: f32,
         segment: &Ray,
@@ -430,12 +430,12 @@ impl<V: Volume> Bidirectional<'_, V> {
 }
 
 /// Mean extinction at a vertex in a medium, else 1.
-fn sigma_t<V: Volume>(vertex: &Vertex<'_, V>) -> f32 {
+fn sigma_t<'a, V: Volume<'a>>(vertex: &Vertex<'a, V>) -> f32 {
     vertex.volume.filled().map_or(1.0, |volume| volume.sigma_t)
 }
 
 /// Densities of the path to a vertex, by lanes.
-fn lanes<V: Volume>(vertex: &Vertex<'_, V>) -> Spectrum {
+fn lanes<'a, V: Volume<'a>>(vertex: &Vertex<'a, V>) -> Spectrum {
     vertex.volume.filled().map_or(Spectrum::WHITE, |volume| volume.r_u)
 }
 

@@ -141,7 +141,12 @@ impl Merging {
 
     /// Notes that a vertex on a surface can be merged, if so: light that goes on from there may have been found so.
     #[inline(never)]
-    pub fn weigh<V: Volume>(&self, scene: &Scene, surface: &SurfaceInteraction, vertex: &mut Vertex<'_, V>) {
+    pub fn weigh<'s, V: Volume<'s>>(
+        &self,
+        scene: &Scene,
+        surface: &SurfaceInteraction,
+        vertex: &mut Vertex<'s, V>,
+    ) {
         let (at, appearance) = (&surface.at, &scene.appearance);
         // A hole that light came by was not seen at all.
         let has_holes = appearance.has_passages && appearance.has_passages(at.material);
@@ -162,7 +167,7 @@ impl Merging {
     /// The weight of merging `y` with `z` [Georgiev 2012, eq. 37 to 39].
     ///
     /// * `wi`: unit direction from which light comes to `y`
-    fn mis_weight<V: Volume>(&self, y: &LightVertex, z: &Vertex<'_, V>, wi: Vec3) -> f32 {
+    fn mis_weight<'s, V: Volume<'s>>(&self, y: &LightVertex, z: &Vertex<'s, V>, wi: Vec3) -> f32 {
         let from_light = square(y.d_vcm) + square(z.pdf(z.wo, wi)) * square(y.d_vc);
         let from_camera = z.mis.weighed(1.0, z.pdf(wi, z.wo)) / self.density2;
         let weight = (1.0 / (from_light + from_camera - 1.0)) as f32;
@@ -173,9 +178,9 @@ impl Merging {
     /// A vertex of a path from a light as it is kept; `None` where it cannot be merged.
     ///
     /// * `dither`: in [0, 1)
-    fn stored<V: Volume>(
+    fn stored<'s, V: Volume<'s>>(
         &self,
-        vertex: &Vertex<'_, V>,
+        vertex: &Vertex<'s, V>,
         scatterings: u32,
         moment: u8,
         dither: f32,
@@ -216,7 +221,7 @@ impl Merging {
     }
 }
 
-impl<'a, V: Volume> Bidirectional<'a, V> {
+impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     /// Follows the paths from lights of a pass. Returns their vertices, and the rays that they took.
     ///
     /// The numbers of path `i` are those of sample `i` of one pixel of a Sobol sequence.
@@ -285,7 +290,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
     pub(super) fn merge<O: PathObserver>(
         &self,
         end: &CameraEnd<'_, '_, '_, V>,
-        z: &mut Vertex<'_, V>,
+        z: &mut Vertex<'a, V>,
         merging: &Merging,
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),

@@ -23,6 +23,7 @@
 //! they can be merged with those of the camera's path; see `merge.rs`.
 
 mod connect;
+mod light_path;
 mod merge;
 mod partial_mis;
 mod settings;
@@ -53,6 +54,8 @@ use super::transport::{
 use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 use connect::LightEndPdf;
+use light_path::LightPath;
+pub(super) use light_path::ReusedVolume;
 #[cfg(test)]
 pub(super) use merge::LightVertex;
 pub(super) use merge::{MergePass, Merging};
@@ -83,15 +86,6 @@ pub(super) fn integrator_of<'a>(
     match scene.has_media() {
         false => Box::new(Bidirectional::<Clear>::made(camera, scene, settings, size, layers)),
         true => Box::new(Bidirectional::<Filled>::made(camera, scene, settings, size, layers)),
-    }
-}
-
-/// The vertices of a path from a light, kept from sample to sample.
-struct LightPath<V>(Vec<Vertex<'static, V>>);
-
-impl<V> Default for LightPath<V> {
-    fn default() -> LightPath<V> {
-        LightPath(Vec::new())
     }
 }
 
@@ -165,7 +159,7 @@ struct CameraEnd<'a, 's, 'b, V> {
     /// Where its ray ended.
     surface: SurfaceInteraction,
     /// Where it was scattered by a medium before that.
-    collision: Option<MediumInteraction>,
+    collision: Option<MediumInteraction<'b>>,
     /// The vertex before, where that is not the lens.
     from: Option<Vertex<'b, V>>,
     /// Vertices once the ray has ended, the lens included.
@@ -199,7 +193,7 @@ impl<'a> Bidirectional<'a> {
     }
 }
 
-impl<'a, V: Volume> Bidirectional<'a, V> {
+impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub(super) fn made(
         camera: &'a Camera,
@@ -341,7 +335,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
     #[inline]
     fn weigh_first(
         &self,
-        vertex: &mut Vertex<'_, V>,
+        vertex: &mut Vertex<'a, V>,
         emitted: &LightLeSample,
         chosen: SampledLight,
         time: f32,
@@ -358,7 +352,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
     fn follow_camera<O: PathObserver>(
         &self,
         observer: &mut O,
-        light_path: &[Vertex<'_, V>],
+        light_path: &[Vertex<'a, V>],
         draws: SampleStream<'_>,
         ray: Ray,
         carried: Carried<'_>,
@@ -496,8 +490,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
     fn connect_vertex<O: PathObserver>(
         &self,
         end: &mut CameraEnd<'_, '_, 'a, V>,
-        z: &Vertex<'_, V>,
-        light_path: &[Vertex<'_, V>],
+        z: &Vertex<'a, V>,
+        light_path: &[Vertex<'a, V>],
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) {
@@ -587,16 +581,7 @@ pub(super) fn shade_one_way<'s>(
     shade(scene, path, surface)
 }
 
-impl<V> LightPath<V> {
-    /// Keeps the memory of a path that has been followed.
-    fn keep(&mut self, mut path: Vec<Vertex<'_, V>>) {
-        path.clear();
-        // Nothing is left that could borrow from a scene; collecting reuses the memory.
-        self.0 = path.into_iter().map_while(|_| None).collect();
-    }
-}
-
-impl<V: Volume> Bidirectional<'_, V> {
+impl<'a, V: ReusedVolume<'a>> Bidirectional<'a, V> {
     /// As [`Integrator::observe`], with vertices merged or not.
     pub(super) fn observe_merging<O: PathObserver>(
         &self,
@@ -606,7 +591,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         observer: &mut O,
     ) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
-        let mut path: Vec<Vertex<'_, V>> = mem::take(&mut scratch.get::<LightPath<V>>().0);
+        let mut path = V::reused(mem::take(&mut scratch.get::<LightPath<V::Kept>>().0));
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
         let visible =
@@ -621,7 +606,7 @@ impl<V: Volume> Bidirectional<'_, V> {
                     }
                 }
             });
-        scratch.get::<LightPath<V>>().keep(path);
+        scratch.get::<LightPath<V::Kept>>().keep(path);
         if self.view.wants_light_groups() {
             aux.lights = groups;
         }
@@ -632,7 +617,7 @@ impl<V: Volume> Bidirectional<'_, V> {
     }
 }
 
-impl<V: Volume> Integrator for Bidirectional<'_, V> {
+impl<'a, V: ReusedVolume<'a>> Integrator for Bidirectional<'a, V> {
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,

@@ -56,7 +56,7 @@ impl Subpath<'_> {
     ///
     /// * `cosine`: between the ray and the true normal there
     /// * `collision`: mean extinction there, if it is in a medium
-    pub fn mis_at<V: Volume>(&self, p: Vec3, cosine: f32, collision: Option<f32>) -> PartialMis {
+    pub fn mis_at<'v, V: Volume<'v>>(&self, p: Vec3, cosine: f32, collision: Option<f32>) -> PartialMis {
         let Departure { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.departure;
         let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
         // cos dw n^2 of a narrow beam is the same at both ends, whatever the way between them. No straight way ends at another index.
@@ -68,7 +68,7 @@ impl Subpath<'_> {
     }
 
     /// The sums where the ray ends that leaves the scene.
-    pub fn mis_at_infinity<V: Volume>(&self) -> PartialMis {
+    pub fn mis_at_infinity<'v, V: Volume<'v>>(&self) -> PartialMis {
         let Departure { pdf, cosine: g, pdf_back, mis, .. } = self.departure;
         let growth = Growth { pdf, g, pdf_back, connectable: self.state.connectable };
         mis.grown(if V::CARRIED { grown_through_media(growth, &self.state, None) } else { growth })
@@ -96,7 +96,7 @@ impl Subpath<'_> {
     /// The path's vertex on a surface.
     ///
     /// * `group`: the light group of a path from a light
-    pub fn vertex<'b, V: Volume>(
+    pub fn vertex<'b, V: Volume<'b>>(
         &self,
         scene: &Scene,
         surface: &SurfaceInteraction,
@@ -126,10 +126,10 @@ impl Subpath<'_> {
     /// The path's vertex in a medium.
     ///
     /// * `group`: the light group of a path from a light
-    pub fn vertex_in_medium<'b, V: Volume>(
+    pub fn vertex_in_medium<'b, V: Volume<'b>>(
         &self,
         scene: &Scene,
-        at: &MediumInteraction,
+        at: &MediumInteraction<'b>,
         group: LightGroup,
     ) -> Vertex<'b, V> {
         let PathState { media, lanes, .. } = self.state;
@@ -159,11 +159,11 @@ impl Subpath<'_> {
     ///
     /// * `collision`: where that came before the surface
     #[inline]
-    pub fn scatter_at<V: Volume>(
+    pub fn scatter_at<'v, V: Volume<'v>>(
         &mut self,
-        vertex: &Vertex<'_, V>,
+        vertex: &Vertex<'v, V>,
         surface: &SurfaceInteraction,
-        collision: Option<&MediumInteraction>,
+        collision: Option<&MediumInteraction<'_>>,
         roulette: bool,
         observer: &mut impl PathObserver,
     ) -> bool {
@@ -176,10 +176,10 @@ impl Subpath<'_> {
     /// Goes on from a vertex in a medium along a direction drawn by its phase function; `false` when the path ends there.
     ///
     /// Takes two numbers, and one for roulette where it is played.
-    pub fn scatter_in_medium<V: Volume>(
+    pub fn scatter_in_medium<'v, V: Volume<'v>>(
         &mut self,
-        vertex: &Vertex<'_, V>,
-        at: &MediumInteraction,
+        vertex: &Vertex<'v, V>,
+        at: &MediumInteraction<'_>,
         roulette: bool,
         observer: &mut impl PathObserver,
     ) -> bool {
@@ -204,9 +204,9 @@ impl Subpath<'_> {
     /// Goes on from a vertex along a direction drawn by its scattering; `false` when the path ends there.
     ///
     /// Takes three numbers, and one for roulette where it is played.
-    pub fn scatter<V: Volume>(
+    pub fn scatter<'v, V: Volume<'v>>(
         &mut self,
-        vertex: &Vertex<'_, V>,
+        vertex: &Vertex<'v, V>,
         surface: &SurfaceInteraction,
         roulette: bool,
         observer: &mut impl PathObserver,

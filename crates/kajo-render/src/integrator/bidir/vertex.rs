@@ -59,11 +59,11 @@ pub struct Vertex<'s, V = Clear> {
     pub volume: V,
 }
 
-impl<V: Volume> Vertex<'_, V> {
+impl<'s, V: Volume<'s>> Vertex<'s, V> {
     /// Where to a medium scatters light there.
     #[inline(always)]
-    pub fn phase(&self) -> Option<&Phase> {
-        self.volume.filled()?.phase.as_ref()
+    pub fn phase(&self) -> Option<&'s Phase> {
+        self.volume.filled()?.phase
     }
 
     /// Whether light is scattered into single directions alone.

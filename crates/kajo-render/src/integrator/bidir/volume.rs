@@ -27,15 +27,15 @@ use super::partial_mis::Growth;
 use crate::integrator::transport::{MediumStack, PathState};
 
 /// What a vertex has of participating media.
-pub trait Volume: Copy + Sync + fmt::Debug + 'static {
+pub trait Volume<'a>: Copy + Sync + fmt::Debug + 'a {
     /// Whether paths carry media.
     const CARRIED: bool;
 
     /// Made where paths carry media.
-    fn of(make: impl FnOnce() -> Filled) -> Self;
+    fn of(make: impl FnOnce() -> Filled<'a>) -> Self;
 
     /// What there is to be known of media.
-    fn filled(&self) -> Option<&Filled>;
+    fn filled(&self) -> Option<&Filled<'a>>;
 
     /// A density with what media make of it.
     #[inline(always)]
@@ -48,25 +48,25 @@ pub trait Volume: Copy + Sync + fmt::Debug + 'static {
 #[derive(Clone, Copy, Debug)]
 pub struct Clear;
 
-impl Volume for Clear {
+impl<'a> Volume<'a> for Clear {
     const CARRIED: bool = false;
 
     #[inline(always)]
-    fn of(_make: impl FnOnce() -> Filled) -> Clear {
+    fn of(_make: impl FnOnce() -> Filled<'a>) -> Clear {
         Clear
     }
 
     #[inline(always)]
-    fn filled(&self) -> Option<&Filled> {
+    fn filled(&self) -> Option<&Filled<'a>> {
         None
     }
 }
 
 /// A vertex in a scene with participating media.
 #[derive(Clone, Copy, Debug)]
-pub struct Filled {
+pub struct Filled<'a> {
     /// Where to light is scattered, if the vertex is in a medium.
-    pub phase: Option<Phase>,
+    pub phase: Option<&'a Phase>,
     /// Extinction per unit length at a vertex in a medium, the mean over the lanes; 1 at surfaces.
     pub sigma_t: f32,
     /// Densities of the path to the vertex by lanes, as [`crate::integrator::transport::LaneMis::r_u`].
@@ -75,16 +75,16 @@ pub struct Filled {
     pub media: [MediumStack; 2],
 }
 
-impl Volume for Filled {
+impl<'a> Volume<'a> for Filled<'a> {
     const CARRIED: bool = true;
 
     #[inline]
-    fn of(make: impl FnOnce() -> Filled) -> Filled {
+    fn of(make: impl FnOnce() -> Filled<'a>) -> Filled<'a> {
         make()
     }
 
     #[inline]
-    fn filled(&self) -> Option<&Filled> {
+    fn filled(&self) -> Option<&Filled<'a>> {
         Some(self)
     }
 }

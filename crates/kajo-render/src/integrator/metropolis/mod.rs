@@ -60,7 +60,7 @@ enum Moved<'a> {
     Path(Path<'a>),
     Bidirectional(Bidirectional<'a>),
     /// The same with participating media.
-    ThroughMedia(Bidirectional<'a, Filled>),
+    ThroughMedia(Bidirectional<'a, Filled<'a>>),
 }
 
 /// Chains that know where to begin.

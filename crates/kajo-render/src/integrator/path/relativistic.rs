@@ -245,7 +245,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
     }
 
     /// Follows the path to the next surface that is there, and into its frame, as [`crate::integrator::transport::advance`].
-    fn advance(&mut self, path: &mut FramePath<'_>, surface: &mut SurfaceInteraction) -> Event {
+    fn advance(&mut self, path: &mut FramePath<'_>, surface: &mut SurfaceInteraction) -> Event<'static> {
         loop {
             let event = self.extend(path, surface);
             if !matches!(event, Event::Surface) {
@@ -260,7 +260,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         }
     }
 
-    fn extend(&mut self, path: &mut FramePath<'_>, surface: &mut SurfaceInteraction) -> Event {
+    fn extend(&mut self, path: &mut FramePath<'_>, surface: &mut SurfaceInteraction) -> Event<'static> {
         let (scene, all) = (self.integrator.view.scene, self.integrator.all);
         let state = &mut path.path.state;
         if state.surfaces == MOST_SURFACES || !state.beta.is_finite() {

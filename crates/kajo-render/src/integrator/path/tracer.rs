@@ -522,7 +522,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// where it is played.
     #[cold]
     #[inline(never)]
-    fn scatter_in_medium(&mut self, path: &mut CameraPath<'s>, at: &MediumInteraction) -> bool {
+    fn scatter_in_medium(&mut self, path: &mut CameraPath<'s>, at: &MediumInteraction<'_>) -> bool {
         if path.state.scatterings == 0 && self.estimate.first.is_none() {
             self.estimate.begins_in_medium = true;
             self.estimate.first = Some(Interaction::default());
@@ -562,7 +562,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn add_direct_light_in_medium(
         &mut self,
         path: &mut CameraPath<'s>,
-        at: &MediumInteraction,
+        at: &MediumInteraction<'_>,
         receiver: &Receiver,
     ) {
         let (scene, state) = (self.scene(), &mut path.state);

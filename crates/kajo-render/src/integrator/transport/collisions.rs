@@ -46,13 +46,13 @@ const MOST_COLLISIONS: u32 = 1 << 20;
 
 /// A vertex of a path within a medium.
 #[derive(Clone, Copy, Debug)]
-pub struct MediumInteraction {
+pub struct MediumInteraction<'a> {
     /// The point, in world space.
     pub p: Vec3,
     /// Unit direction back along the path.
     pub wo: Vec3,
     /// Where to light is scattered.
-    pub phase: Phase,
+    pub phase: &'a Phase,
     /// Length of the way from the last event.
     pub length: f32,
     /// Moment within the shutter interval.
@@ -329,12 +329,12 @@ impl CollisionVisitor for HotTravel<'_> {
 ///
 /// Takes a number for each collision with the majorant and, where the density varies, another one for what it is; where the medium gives
 /// light and scatters, one for each stretch between them.
-fn travel(
-    scene: &Scene,
+fn travel<'a>(
+    scene: &'a Scene,
     path: &mut PathState<'_>,
     medium: MediumId,
     length: f32,
-) -> Option<MediumInteraction> {
+) -> Option<MediumInteraction<'a>> {
     let stretch = Stretch::new(scene, medium, &path.wavelengths, path.lanes.hero);
     let is_homogeneous = scene.appearance.media.is_homogeneous(medium);
     let coefficients = scene.appearance.media.coefficients(medium);
@@ -397,12 +397,12 @@ fn emission_integral(sigma: Spectrum, length: f32) -> Spectrum {
 /// Takes numbers as [`travel`].
 #[cold]
 #[inline(never)]
-pub fn travel_to(
-    scene: &Scene,
+pub fn travel_to<'a>(
+    scene: &'a Scene,
     path: &mut PathState<'_>,
     length: f32,
     observer: &mut impl PathObserver,
-) -> Option<MediumInteraction> {
+) -> Option<MediumInteraction<'a>> {
     let medium = path.media.medium()?;
     path.extent = length;
     let at = travel(scene, path, medium, length)?;

@@ -12,7 +12,7 @@ use crate::trail::{PathObserver, RayKind};
 /// Goes on along a direction drawn by the phase function, whose value over its density is 1.
 pub fn follow_phase(
     path: &mut PathState<'_>,
-    at: &MediumInteraction,
+    at: &MediumInteraction<'_>,
     wi: Vec3,
     observer: &mut impl PathObserver,
 ) {

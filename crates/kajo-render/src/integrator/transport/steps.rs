@@ -29,11 +29,11 @@ pub const MOST_SURFACES: u32 = 1 << 14;
 
 /// What becomes of a ray that is followed.
 #[derive(Clone, Copy, Debug)]
-pub enum Event {
+pub enum Event<'a> {
     /// It hits a surface, which was written to a [`SurfaceInteraction`].
     Surface,
     /// It is scattered by a medium on its way.
-    Medium(MediumInteraction),
+    Medium(MediumInteraction<'a>),
     /// It leaves the scene in this unit direction.
     Escaped(Vec3),
     /// Nothing of it arrives anywhere: the path has met more surfaces than a path may.
@@ -50,12 +50,12 @@ pub enum Event {
 ///
 /// Takes the number that chooses among the parts of a mixture.
 #[inline]
-pub fn extend(
-    scene: &Scene,
+pub fn extend<'a>(
+    scene: &'a Scene,
     path: &mut PathState<'_>,
     surface: &mut SurfaceInteraction,
     observer: &mut impl PathObserver,
-) -> Event {
+) -> Event<'a> {
     if path.surfaces == MOST_SURFACES {
         return Event::Absorbed;
     }
@@ -97,13 +97,13 @@ pub fn extend(
 ///
 /// * `first`: filled with the first surface, there or not, if it is empty
 #[inline]
-pub fn advance(
-    scene: &Scene,
+pub fn advance<'a>(
+    scene: &'a Scene,
     path: &mut PathState<'_>,
     surface: &mut SurfaceInteraction,
     first: &mut Option<Interaction>,
     observer: &mut impl PathObserver,
-) -> Event {
+) -> Event<'a> {
     loop {
         let event = extend(scene, path, surface, observer);
         if !matches!(event, Event::Surface) {
@@ -270,7 +270,7 @@ pub fn survives(path: &mut PathState<'_>, bounces: u32, plays: bool) -> bool {
 #[inline]
 pub fn survives_in_medium(
     path: &mut PathState<'_>,
-    at: &MediumInteraction,
+    at: &MediumInteraction<'_>,
     bounces: u32,
     plays: bool,
 ) -> bool {

@@ -27,7 +27,7 @@ use kajo_math::Vec2;
 use kajo_math::rng::Stream;
 
 use super::Integrator;
-use super::bidir::{Bidirectional, BidirectionalSettings, Clear, Filled, MergePass, Merging, Volume};
+use super::bidir::{Bidirectional, BidirectionalSettings, Clear, Filled, MergePass, Merging, ReusedVolume};
 use super::camera_view::CameraView;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Setup, SetupError, WithState};
@@ -52,8 +52,8 @@ pub struct VertexMerging<'a, V = Clear> {
 }
 
 /// The integrator with the vertices of a pass.
-struct Merged<'a, V> {
-    connecting: &'a Bidirectional<'a, V>,
+struct Merged<'m, 'a, V> {
+    connecting: &'m Bidirectional<'a, V>,
     merging: Merging,
 }
 
@@ -71,7 +71,7 @@ fn integrator_of<'a>(
     }
 }
 
-impl<'a, V: Volume> VertexMerging<'a, V> {
+impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
     fn made(
         camera: &'a Camera,
         scene: &'a Scene,
@@ -126,7 +126,7 @@ fn automatic_radius(view: &CameraView<'_>, paths: u32, world: &BoundingSphere) -
     pixels.clamp(least, most).max(f32::MIN_POSITIVE)
 }
 
-impl<V: Volume> Integrator for VertexMerging<'_, V> {
+impl<'v, V: ReusedVolume<'v>> Integrator for VertexMerging<'v, V> {
     /// A sample without merging: what debug rays show, and all there is where merging is off.
     fn observe<O: PathObserver>(
         &self,
@@ -155,13 +155,13 @@ impl<V: Volume> Integrator for VertexMerging<'_, V> {
     }
 }
 
-impl<V: Volume> VertexMerging<'_, V> {
+impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
     fn with_merging(&self, merging: Merging, rays: crate::RayCounters, notes: Vec<String>) -> WithState<'_> {
         WithState { integrator: Box::new(Merged { connecting: &self.connecting, merging }), rays, notes }
     }
 }
 
-impl<V: Volume> Integrator for Merged<'_, V> {
+impl<'v, V: ReusedVolume<'v>> Integrator for Merged<'_, 'v, V> {
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,

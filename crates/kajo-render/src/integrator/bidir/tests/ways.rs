@@ -31,8 +31,8 @@ fn ways_merging(
     }
 }
 
-fn ways_of<V: Volume>(
-    scene: &Scene,
+fn ways_of<'a, V: Volume<'a>>(
+    scene: &'a Scene,
     settings: BidirectionalSettings,
     samples: u32,
     merging: Option<(u32, f32)>,

@@ -128,7 +128,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         &mut self,
         path: &mut CameraPath<'s>,
         surface: &mut SurfaceInteraction,
-    ) -> Event {
+    ) -> Event<'a> {
         let scene = self.scene();
         let start = path.state;
         path.along = None;
@@ -173,7 +173,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path: &mut CameraPath<'s>,
         start: &PathState<'s>,
         along: &Along,
-        (sigma_s, phase): (Spectrum, Phase),
+        (sigma_s, phase): (Spectrum, &Phase),
     ) {
         let (scene, choice) = (self.scene(), self.settings.light_choice);
         let draws = &mut path.state.draws;

@@ -1,0 +1,49 @@
+//! Memory for the vertices of paths from lights, which is kept from sample to sample.
+
+use super::vertex::Vertex;
+use super::volume::{Clear, Filled, Volume};
+
+/// Volumes whose vertices can be kept: as memory alone, which borrows from no scene.
+pub trait ReusedVolume<'a>: Volume<'a> {
+    /// The same for vertices that borrow from no scene, of which there are none.
+    type Kept: Send + 'static;
+
+    /// Memory that was kept, for the vertices of a path.
+    fn reused(kept: Vec<Vertex<'static, Self::Kept>>) -> Vec<Vertex<'a, Self>>;
+}
+
+impl<'a> ReusedVolume<'a> for Clear {
+    type Kept = Clear;
+
+    #[inline(always)]
+    fn reused(kept: Vec<Vertex<'static, Clear>>) -> Vec<Vertex<'a, Clear>> {
+        kept
+    }
+}
+
+impl<'a> ReusedVolume<'a> for Filled<'a> {
+    type Kept = Filled<'static>;
+
+    #[inline(always)]
+    fn reused(kept: Vec<Vertex<'static, Filled<'static>>>) -> Vec<Vertex<'a, Filled<'a>>> {
+        kept
+    }
+}
+
+/// The memory of a path from a light, without vertices.
+pub struct LightPath<V>(pub Vec<Vertex<'static, V>>);
+
+impl<V> Default for LightPath<V> {
+    fn default() -> LightPath<V> {
+        LightPath(Vec::new())
+    }
+}
+
+impl<V> LightPath<V> {
+    /// Keeps the memory of a path that has been followed.
+    pub fn keep<W>(&mut self, mut path: Vec<Vertex<'_, W>>) {
+        path.clear();
+        // Nothing is left that could borrow from a scene; collecting reuses the memory.
+        self.0 = path.into_iter().map_while(|_| None).collect();
+    }
+}
