@@ -2,7 +2,10 @@
 
 use super::texts::Change;
 use super::tree::Tree;
-use super::{EditRefused, FieldValue, FileId, Movement, Node, NodeId, TextEdit, expressions};
+use super::{
+    EditRefused, FieldValue, FileId, Interpolation, KeyOwner, Movement, Node, NodeId, Outside, TextEdit,
+    expressions,
+};
 use kajo::CameraPose;
 
 /// One thing to do.
@@ -86,6 +89,36 @@ pub enum Edit {
         /// Its new text.
         text: String,
     },
+    /// Sets keys at the frame on show for all numbers of a value, which may have none yet. (To set a value that has keys
+    /// sets a key as well, for those of its numbers that change.)
+    SetKey {
+        /// The block.
+        node: NodeId,
+        /// The word of the value.
+        key: String,
+        /// Which of several with this word; `None` for the one that counts.
+        nth: Option<usize>,
+        /// What it shall be there; `None` for what it is.
+        value: Option<FieldValue>,
+    },
+    /// Moves keys by some frames, onto whole frames. Keys that are there already give way.
+    MoveKeys {
+        /// The keys, by their places in their rows.
+        keys: Vec<(KeyOwner, usize)>,
+        /// How far.
+        frames: f64,
+    },
+    /// Takes keys out. A value that loses all of them is from then on what it is at the frame on show.
+    DeleteKeys(Vec<(KeyOwner, usize)>),
+    /// Says how values go from key to key, and what holds outside of the keys.
+    SetKeyModes {
+        /// The keys.
+        owner: KeyOwner,
+        /// `None` for what it is.
+        interpolation: Option<Interpolation>,
+        /// `None` for what it is.
+        outside: Option<Outside>,
+    },
     /// Several edits as one, none of which changes what another one reads.
     Together(Vec<Edit>),
 }
@@ -113,6 +146,15 @@ impl Edit {
             Edit::Delete(_) => "delete".to_owned(),
             Edit::MoveInto { .. } => "move to a group".to_owned(),
             Edit::Rewrite { .. } => "edit text".to_owned(),
+            Edit::SetKey { key, .. } => format!("set a key of {key}"),
+            Edit::MoveKeys { keys, .. } if keys.len() == 1 => "move a key".to_owned(),
+            Edit::MoveKeys { keys, .. } => format!("move {} keys", keys.len()),
+            Edit::DeleteKeys(keys) if keys.len() == 1 => "delete a key".to_owned(),
+            Edit::DeleteKeys(keys) => format!("delete {} keys", keys.len()),
+            Edit::SetKeyModes { interpolation: Some(_), .. } => {
+                "change how values go from key to key".to_owned()
+            }
+            Edit::SetKeyModes { .. } => "change what holds outside of keys".to_owned(),
             Edit::Together(edits) => edits.first().map_or_else(String::new, Edit::label),
         }
     }
@@ -135,7 +177,20 @@ impl Edit {
                 "the text has blocks that are not closed or files that cannot be read",
             ));
         }
-        expressions::kept(tree, self.text_edits(tree)?)
+        let edits = self.text_edits(tree)?;
+        // Keys take the place of expressions, and hold them.
+        if self.is_of_keys() { Ok(edits) } else { expressions::kept(tree, edits) }
+    }
+
+    /// Whether it is about keys and nothing else.
+    fn is_of_keys(&self) -> bool {
+        match self {
+            Edit::SetKey { .. } | Edit::MoveKeys { .. } | Edit::DeleteKeys(_) | Edit::SetKeyModes { .. } => {
+                true
+            }
+            Edit::Together(edits) => edits.iter().all(Edit::is_of_keys),
+            _ => false,
+        }
     }
 
     fn text_edits(&self, tree: &Tree) -> Result<Vec<TextEdit>, EditRefused> {
@@ -152,6 +207,14 @@ impl Edit {
             Edit::Delete(node) => tree.delete(tree.node(*node)?),
             Edit::MoveInto { node, into } => tree.move_into(tree.node(*node)?, tree.node(*into)?),
             Edit::Rewrite { .. } => Ok(Vec::new()),
+            Edit::SetKey { node, key, nth, value } => {
+                tree.key_field(tree.node(*node)?, key, *nth, value.as_ref())
+            }
+            Edit::MoveKeys { keys, frames } => tree.move_keys(keys, *frames),
+            Edit::DeleteKeys(keys) => tree.delete_keys(keys),
+            Edit::SetKeyModes { owner, interpolation, outside } => {
+                tree.set_key_modes(owner, *interpolation, *outside)
+            }
             Edit::Together(edits) => {
                 let plans = edits.iter().map(|edit| edit.text_edits(tree)).collect::<Result<Vec<_>, _>>();
                 Ok(plans?.concat())

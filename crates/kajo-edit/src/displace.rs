@@ -107,8 +107,8 @@ impl Tree {
         let is_matrix = |item: &&Item<'_>| item.keyword().starts_with("Matrix");
         if let Some(last) = operations.iter().rev().find(is_matrix) {
             let old = self.operation_map(*last);
-            return Ok(self
-                .replace_values(*last, &FieldValue::numbers(self.matrix_numbers(&(movement.map() * old)))));
+            let moved = self.matrix_numbers(&(movement.map() * old));
+            return self.set_values_of(*last, &FieldValue::numbers(moved));
         }
         if let Some(placed) = self.placed(node, &operations)
             && let Some(moved) = placed.moved(movement)
@@ -119,7 +119,7 @@ impl Tree {
         match (*movement, first.filter(|first| first.keyword() == "Translate")) {
             (Movement::Translate(by), Some(first)) => {
                 let old = DVec3::from_array(FieldValue::of(first).vec3().unwrap_or_default());
-                Ok(self.replace_values(first, &vector(old + by)))
+                self.set_values_of(first, &vector(old + by))
             }
             (Movement::Translate(by), None) => {
                 self.insert_operation(node, Where::First, &format!("Translate {}", vector(by).text()))
@@ -185,7 +185,7 @@ impl Tree {
                 Part::Scale => (old.scale_at, Where::Last),
             };
             match present.map(|i| operations[i]) {
-                Some(item) => edits.extend(self.rewritten(item, &piece)),
+                Some(item) => edits.extend(self.rewritten(item, &piece)?),
                 None => edits.extend(self.insert_operation(node, place, &piece)?),
             }
         }
@@ -193,17 +193,23 @@ impl Tree {
     }
 
     /// Puts an operation in the place of another: only its numbers where the word stays.
-    fn rewritten(&self, item: Item<'_>, piece: &str) -> Vec<TextEdit> {
+    fn rewritten(&self, item: Item<'_>, piece: &str) -> Result<Vec<TextEdit>, EditRefused> {
         let (word, numbers) = piece.split_once(' ').unwrap_or((piece, ""));
         let value = FieldValue::parse(numbers);
         if item.keyword() == word {
-            return self.replace_values(item, &value);
+            return self.set_values_of(item, &value);
         }
         if let ("Scale", [factor]) = (item.keyword(), &*value.numbers) {
-            return self.replace_values(item, &FieldValue::numbers([*factor; 3]));
+            return self.set_values_of(item, &FieldValue::numbers([*factor; 3]));
+        }
+        if self.has_keys(item) {
+            return Err(EditRefused::new(format!(
+                "`{}` has keys, which that would take away",
+                item.keyword()
+            )));
         }
         let (file, range) = self.range(item);
-        vec![TextEdit { file, range, new: piece.to_owned() }]
+        Ok(vec![TextEdit { file, range, new: piece.to_owned() }])
     }
 
     fn insert_operation(&self, node: &Node, place: Where, piece: &str) -> Result<Vec<TextEdit>, EditRefused> {

@@ -197,17 +197,13 @@ impl Tree {
         let item = self.value_item(node, key, nth).or_else(|| self.other_spelling(node, key));
         let other = pair.and_then(|pair| self.value_item(node, pair, None));
         match (item, value) {
-            (Some(item), Some(value)) => Ok(self.replace_values(item, value)),
+            (Some(item), Some(value)) => self.set_values_of(item, value),
             (Some(item), None) => {
                 let mut items: Vec<Item<'_>> = [item].into_iter().chain(other).collect();
                 items.sort_by_key(|item| item.index());
                 Ok(self.without(&items))
             }
-            (None, Some(value)) => {
-                let mut values = vec![(key, value.clone())];
-                values.extend(pair.filter(|_| other.is_none()).map(|pair| (pair, self.start(node, pair))));
-                self.insert_fields(node, &values)
-            }
+            (None, Some(value)) => self.insert_text(node, key, &value.text()),
             (None, None) => Ok(Vec::new()),
         }
     }
@@ -227,7 +223,7 @@ impl Tree {
     }
 
     /// What a first change of an absent field begins with.
-    fn start(&self, node: &Node, key: &str) -> FieldValue {
+    pub(super) fn start(&self, node: &Node, key: &str) -> FieldValue {
         let spec = fields_of(&node.keyword).find(|spec| spec.key == key);
         spec.map_or_else(FieldValue::default, |spec| self.absent(node, spec, 0, None).start)
     }
@@ -245,7 +241,7 @@ impl Tree {
         for (old, new) in value.numbers.iter_mut().zip(numbers) {
             *old = new.unwrap_or(*old);
         }
-        Ok(self.replace_values(item, &value))
+        self.set_values_of(item, &value)
     }
 
     /// The value that holds for a key: the one written, or the default.
@@ -259,14 +255,17 @@ impl Tree {
         self.default(node, spec, scene)
     }
 
-    /// Inserts values that are absent, one after the other.
-    fn insert_fields(
+    /// Inserts a value that is absent, as text; behind it the one without which it says nothing, if that is absent too.
+    pub(super) fn insert_text(
         &self,
         node: &Node,
-        values: &[(&str, FieldValue)],
+        key: &str,
+        value: &str,
     ) -> Result<Vec<TextEdit>, EditRefused> {
-        let pieces: Vec<String> =
-            values.iter().map(|(key, value)| format!("{key} {}", value.text())).collect();
+        let pair = fields_of(&node.keyword).find(|spec| spec.key == key).and_then(|spec| spec.pair);
+        let pair = pair.filter(|pair| self.value_item(node, pair, None).is_none());
+        let pair = pair.map(|pair| format!("{pair} {}", self.start(node, pair).text()));
+        let pieces: Vec<String> = std::iter::once(format!("{key} {value}")).chain(pair).collect();
         let text = self.text(node.file);
         let is_operation = matches!(node.kind, Kind::Transform | Kind::Instance);
         if let Some(last) = self.values_of(node).last() {
@@ -322,12 +321,12 @@ impl Tree {
 }
 
 /// Whether two numbers are one for a scene, which keeps single precision except of whole numbers.
-fn is_same_number(a: f64, b: f64) -> bool {
+pub(super) fn is_same_number(a: f64, b: f64) -> bool {
     a == b || (a as f32 == b as f32 && (a.fract() != 0.0 || b.fract() != 0.0))
 }
 
 /// The fields that a block with this keyword may have.
-fn fields_of(keyword: &str) -> impl Iterator<Item = &'static FieldSpec> + Clone + use<> {
+pub(super) fn fields_of(keyword: &str) -> impl Iterator<Item = &'static FieldSpec> + Clone + use<> {
     block_of(keyword).into_iter().flat_map(Block::fields)
 }
 

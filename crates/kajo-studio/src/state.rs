@@ -3,9 +3,11 @@
 
 mod action;
 mod asking;
+mod chosen_keys;
 mod editing;
 mod handling;
 mod histogram;
+mod keying;
 pub mod line_ends;
 mod long_texts;
 mod navigation;

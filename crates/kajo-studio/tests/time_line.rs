@@ -166,6 +166,158 @@ fn long_texts_are_scrubbed_beside_the_window() {
     assert_eq!(window.text(), text);
 }
 
+/// Where a key of the time line is.
+fn mark(window: &mut Window, name: &str) -> Pos2 {
+    window.harness.get_by_label(name).rect().center()
+}
+
+/// The window with the scene, its first frames drawn.
+fn window() -> Window {
+    let mut window = Window::with(&scene(), false);
+    window.frames(2);
+    window
+}
+
+#[test]
+fn keys_are_dragged_onto_frames_in_one_step() {
+    let mut window = window();
+    let from = mark(&mut window, "Key 13 of ball radius");
+    let frame_width = (on_ruler(&mut window, 2) - on_ruler(&mut window, 1)).x;
+    window.drag(PointerButton::Primary, from, vec2(5.2 * frame_width, 0.0));
+    assert_eq!(window.text(), scene().replace("0.5: 0.5", "0.708333333: 0.5"));
+    assert_eq!(frame(window.studio()), 1, "that is no scrubbing");
+    assert_eq!(window.selected(), ["Sphere ball"]);
+    let there = mark(&mut window, "Key 18 of ball radius");
+    assert!((there.x - from.x - 5.0 * frame_width).abs() < 1.0);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), scene(), "the whole drag is one step");
+    // Several at once, beyond others and back.
+    for name in ["Key 13 of ball radius", "Key 1 of ball center"] {
+        let at = mark(&mut window, name);
+        window.harness.event(egui::Event::PointerMoved(at));
+        for pressed in [true, false] {
+            let (button, modifiers) = (PointerButton::Primary, Modifiers::SHIFT);
+            window.harness.event_modifiers(
+                egui::Event::PointerButton { pos: at, button, pressed, modifiers },
+                modifiers,
+            );
+            window.frames(2);
+        }
+    }
+    assert_eq!(window.studio().time_line.n_chosen(), 2);
+    let from = mark(&mut window, "Key 1 of ball center");
+    window.drag(PointerButton::Primary, from, vec2(2.0 * frame_width, 0.0));
+    let both = scene().replace("0.5: 0.5", "0.583333333: 0.5").replace("0: -2 1 0", "0.083333333: -2 1 0");
+    assert_eq!(window.text(), both);
+    assert_eq!(window.studio().time_line.n_chosen(), 2);
+}
+
+#[test]
+fn escape_takes_a_drag_of_keys_back_and_delete_takes_them_out() {
+    let mut window = window();
+    let from = mark(&mut window, "Key 25 of ball center");
+    window.button(from, PointerButton::Primary, true);
+    window.harness.event(egui::Event::PointerMoved(from - vec2(200.0, 0.0)));
+    window.frames(2);
+    assert_ne!(window.text(), scene());
+    window.key(Key::Escape);
+    window.button(from - vec2(200.0, 0.0), PointerButton::Primary, false);
+    assert_eq!(window.text(), scene());
+    let at = mark(&mut window, "Key 25 of ball center");
+    window.click(at);
+    assert_eq!(window.studio().time_line.n_chosen(), 1);
+    window.key(Key::Delete);
+    assert_eq!(window.text(), scene().replace("  /* there */ 1: 2 1 4", "  /* there */"));
+    assert_eq!(window.studio().time_line.n_chosen(), 0);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    // What is selected elsewhere is what is deleted then.
+    let at = mark(&mut window, "Key 25 of ball center");
+    window.click(at);
+    window.press("Box crate");
+    window.key(Key::Delete);
+    assert_eq!(window.text(), scene().replace("  Box crate { min 1 0 -1  max 3 2 1 }", ""));
+}
+
+#[test]
+fn a_value_with_keys_says_what_a_change_does() {
+    let mut window = window();
+    window.select("ball");
+    window.studio().apply(Action::ShowFrame(7));
+    window.frames(3);
+    assert_eq!(window.harness.get_all_by_label("adds a key").count(), 2);
+    let widget = window.widget("Radius");
+    window.drag(PointerButton::Primary, widget, vec2(30.0, 0.0));
+    assert_eq!(window.notice(), "Sets a new key of radius at frame 7.");
+    let text = window.text();
+    let radius: f64 = text.split("0.25: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(radius > 1.5, "{radius}");
+    let expected = scene().replace("0: 1.5  0.5", &format!("0: 1.5  0.25: {radius}  0.5"));
+    assert_eq!(text, expected);
+    assert!(
+        window.harness.query_by_label("key").is_some()
+            && window.harness.query_by_label("adds a key").is_some()
+    );
+    window.drag(PointerButton::Primary, widget, vec2(30.0, 0.0));
+    assert_eq!(window.notice(), "Changes the key of radius at frame 7.");
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), expected, "each drag is a step");
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), scene());
+    // A handle sets keys too.
+    let center = window.point([-1.0, 1.0, 1.0]);
+    window.drag(PointerButton::Primary, center, vec2(0.0, -40.0));
+    assert!(window.text().contains("keys { 0: -2 1 0  0.25: "), "{}", window.text());
+}
+
+#[test]
+fn a_mark_sets_the_first_key_and_takes_it_out_again() {
+    let mut window = window();
+    window.select("crate");
+    window.studio().apply(Action::ShowFrame(13));
+    window.frames(3);
+    window.press("Key of max");
+    assert_eq!(window.text(), scene().replace("max 3 2 1", "max keys { 0.5: 3 2 1 }"));
+    assert_eq!(window.notice(), "Done: set a key of max.");
+    window.frames(2);
+    assert!(window.harness.query_by_label("Key 13 of crate max").is_some(), "a row more");
+    window.key(Key::Period);
+    window.key(Key::I);
+    assert!(window.text().contains("max keys { 0.5: 3 2 1  0.541666667: 3 2 1 }"), "{}", window.text());
+    window.press("Key of max");
+    window.key(Key::Comma);
+    window.press("Key of max");
+    assert_eq!(window.text(), scene(), "as it was");
+    // A name cannot have keys, and says so.
+    window.studio().apply(Action::SelectNext(false));
+    window.key(Key::I);
+    let node = window.studio().selection.main().unwrap();
+    window.studio().apply(Action::ToggleKey { node, key: "nothing".into(), nth: 0 });
+    window.select("floor");
+    window.key(Key::I);
+    assert!(window.notice().starts_with("Nothing that is selected has keys"));
+}
+
+#[test]
+fn values_go_from_key_to_key_as_is_chosen() {
+    let mut window = window();
+    let at = mark(&mut window, "Key 1 of ball center");
+    window.click(at);
+    window.studio().apply(Action::SetInterpolation(None, kajo_edit::Interpolation::Cubic));
+    window.studio().apply(Action::SetOutside(None, kajo_edit::Outside::Loop));
+    window.frames(3);
+    let text = window.text();
+    assert!(text.contains("center keys loop cubic {") || text.contains("center keys cubic loop {"), "{text}");
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), scene());
+    // By the menu of a row.
+    let row = window.harness.get_by_label("Keys of ball radius").rect().center();
+    window.button(row, PointerButton::Secondary, true);
+    window.button(row, PointerButton::Secondary, false);
+    window.press("Monotone");
+    assert_eq!(window.text(), scene().replace("keys step", "keys monotone"));
+}
+
 /// Looked at by eyes where a path is given to write it to.
 #[test]
 fn it_is_drawn() {
@@ -176,6 +328,8 @@ fn it_is_drawn() {
     window.frames(3);
     window.select("ball");
     window.studio().apply(Action::ShowFrame(7));
+    let at = mark(&mut window, "Key 13 of ball radius");
+    window.click(at);
     window.frames(20);
     window.wait(|studio| studio.preview_is_current());
     window.frames(3);

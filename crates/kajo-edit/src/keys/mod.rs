@@ -3,14 +3,19 @@
 //! A [`KeyRow`] is a block of keys in the text. It is known again after an edit by its [`KeyOwner`]: the numbers it
 //! gives values to, or the name that `let` gives to its value.
 
+mod edits;
+
 use std::collections::HashSet;
 use std::ops::Range;
 
 use kajo_math::keyed::{Interpolation, Outside};
-use kajo_scene::{Item, KeysOwner, WrittenKeys};
+use kajo_scene::{Item, KeysOwner, WrittenKey, WrittenKeys};
 
+use super::key_rows::{Key, KeyOwner, KeyRow, SAME};
 use super::tree::Tree;
-use super::{Document, FileId, Node, NodeId};
+use super::{Document, FileId, Node};
+
+pub use edits::Keying;
 
 /// The operation that has keys of its own, each with operations.
 const MOTION: &str = "Motion";
@@ -18,127 +23,77 @@ const MOTION: &str = "Motion";
 /// The word of one of them.
 const KEY: &str = "key";
 
-/// What keys give values to.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum KeyOwner {
-    /// Numbers of a value of a block.
-    Field {
-        /// The block.
-        node: NodeId,
-        /// The word of the value; empty for numbers of the block's own.
-        key: String,
-        /// Which of several with this word, from 0.
-        nth: usize,
-        /// The first of its numbers that these keys say, from 0.
-        first: usize,
-    },
-    /// A value that `let` names.
-    Named {
-        /// The file it stands in.
-        file: FileId,
-        /// Its name.
-        name: String,
-        /// Which of several with keys and this name in the file, from 0.
-        nth: usize,
-    },
-    /// A `Motion`, whose keys are operations.
-    Motion(NodeId),
+/// How the keys of a row are written.
+#[derive(Clone, Copy)]
+enum Written<'a> {
+    /// As values at times.
+    Values(&'a WrittenKeys),
+    /// As the blocks of a `Motion`.
+    Motion,
 }
 
-impl KeyOwner {
-    /// The block that it is about, if there is one.
-    pub fn node(&self) -> Option<NodeId> {
-        match self {
-            KeyOwner::Field { node, .. } | KeyOwner::Motion(node) => Some(*node),
-            KeyOwner::Named { .. } => None,
-        }
-    }
-}
-
-/// A block of keys.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KeyRow {
-    /// What they give values to.
-    pub owner: KeyOwner,
-    /// What that is called: the words of the block and of the value.
-    pub name: String,
-    /// The bytes of all of it.
-    pub span: (FileId, Range<usize>),
-    /// How values go from key to key.
-    pub interpolation: Interpolation,
-    /// What holds before the first key and after the last.
-    pub outside: Outside,
-    /// The keys, in the order of time.
-    pub keys: Vec<Key>,
-    /// Whether it stands in a `repeat`: what is done to it is done to all turns.
-    pub is_repeated: bool,
-}
-
-/// A value at a time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Key {
-    /// When it is: the number of a frame, with a fraction where it falls between two.
-    pub frame: f64,
-    /// The same in seconds.
-    pub seconds: f64,
-    /// Its values; none for those of a `Motion`.
-    pub values: Vec<f64>,
-}
-
-/// How far two times may be apart and be one, in frames.
-const SAME: f64 = 1e-4;
-
-impl Key {
-    /// Whether it is at this frame.
-    pub fn is_at(&self, frame: f64) -> bool {
-        (self.frame - frame).abs() < SAME
-    }
-}
-
-impl KeyRow {
-    /// The index of the key at a frame, if there is one.
-    pub fn key_at(&self, frame: f64) -> Option<usize> {
-        self.keys.iter().position(|key| key.is_at(frame))
-    }
+/// A row and its text.
+struct Block<'a> {
+    row: KeyRow,
+    written: Written<'a>,
+    /// The bytes of each key, and those of its time.
+    pieces: Vec<(Range<usize>, Range<usize>)>,
 }
 
 impl Document {
     /// All keys of the texts, those of each value as a row, in the order of the text.
     pub fn key_rows(&self) -> Vec<KeyRow> {
-        let tree = &self.tree;
-        let mut seen: HashSet<(FileId, usize)> = HashSet::new();
-        let mut rows = Vec::new();
-        for keyed in tree.desc.keyed() {
-            let (file, range) = tree.range_of(keyed.place);
-            // One file may be included several times.
-            if seen.insert((file, range.start)) {
-                rows.extend(tree.row(keyed, &rows));
-            }
-        }
-        for node in self.outline().nodes().iter().filter(|node| &*node.keyword == MOTION) {
-            if seen.insert((node.file, node.span.start)) {
-                rows.extend(tree.motion_row(node));
-            }
-        }
+        let mut rows: Vec<KeyRow> = self.tree.key_blocks().into_iter().map(|block| block.row).collect();
         rows.sort_by_key(|row| (row.span.0, row.span.1.start));
         rows
     }
 }
 
 impl Tree {
-    fn row(&self, keyed: &WrittenKeys, others: &[KeyRow]) -> Option<KeyRow> {
+    /// All blocks of keys, each once.
+    fn key_blocks(&self) -> Vec<Block<'_>> {
+        let mut seen: HashSet<(FileId, usize)> = HashSet::new();
+        let mut blocks: Vec<Block<'_>> = Vec::new();
+        for keyed in self.desc.keyed() {
+            let (file, range) = self.range_of(keyed.place);
+            // One file may be included several times.
+            if seen.insert((file, range.start)) {
+                blocks.extend(self.block(keyed, &blocks));
+            }
+        }
+        for node in self.outline.nodes().iter().filter(|node| &*node.keyword == MOTION) {
+            if seen.insert((node.file, node.span.start))
+                && let Some(row) = self.motion_row(node)
+            {
+                blocks.push(Block { row, written: Written::Motion, pieces: self.motion_pieces(node) });
+            }
+        }
+        blocks
+    }
+}
+
+impl Tree {
+    /// * `others`: those of the blocks before, in the order of the text
+    fn block<'a>(&'a self, keyed: &'a WrittenKeys, others: &[Block<'_>]) -> Option<Block<'a>> {
+        let row = self.row(keyed, others)?;
+        let end = |key: &WrittenKey| key.values.last().map_or(key.time_place.end, |(_, at)| at.end);
+        let pieces = keyed.keys.iter().map(|key| (key.time_place.start..end(key), key.time_place.clone()));
+        Some(Block { row, written: Written::Values(keyed), pieces: pieces.collect() })
+    }
+
+    fn row(&self, keyed: &WrittenKeys, others: &[Block<'_>]) -> Option<KeyRow> {
         let (owner, name) = match keyed.owner {
             KeysOwner::Item { item, first } => self.field_of(item, first as usize, keyed)?,
             KeysOwner::Value(index) => {
                 let name = self.desc.named_values().nth(index as usize)?.0;
                 let file = self.file_of(keyed.place.source);
-                let is_same = |row: &&KeyRow| matches!(&row.owner, KeyOwner::Named { file: f, name: n, .. } if *f == file && n == name);
+                let is_same = |other: &&Block<'_>| other.row.owner.is_named(file, name);
                 let nth = others.iter().filter(is_same).count();
                 let owner = KeyOwner::Named { file, name: name.to_owned(), nth };
                 (owner, format!("let {name}"))
             }
         };
-        let key = |key: &kajo_scene::WrittenKey| {
+        let key = |key: &WrittenKey| {
             let values = key.values.iter().map(|(value, _)| *value).collect();
             self.key(key.time, values)
         };

@@ -150,6 +150,7 @@ impl App {
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.studio.update();
+        self.studio.time_line.is_shown = self.has_time_line();
         let chosen = self.studio.selection.main();
         self.take_dropped_files(&ctx);
         self.close(&ctx);
@@ -559,6 +560,9 @@ impl App {
 
     fn obey(&mut self, ctx: &egui::Context, command: Command, actions: &mut Vec<Action>) {
         match command {
+            Command::Do(Action::Delete) if self.studio.time_line.n_chosen() > 0 => {
+                actions.push(Action::DeleteKeys);
+            }
             Command::Do(action) => actions.push(action),
             Command::DebugRay => self.shoot(ctx, actions),
             Command::ChooseScene => self.choose(Purpose::OpenScene, ""),
@@ -590,7 +594,9 @@ impl App {
             }
             Command::Panels => self.layout.panels = !self.layout.panels,
             Command::Escape if self.help => self.help = false,
-            Command::Escape if self.studio.has_grip() => actions.push(Action::CancelDrag),
+            Command::Escape if self.studio.has_grip() || self.studio.time_line.is_dragging() => {
+                actions.push(Action::CancelDrag)
+            }
             Command::Escape => self.escape(actions),
         }
     }

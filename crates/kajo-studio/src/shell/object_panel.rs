@@ -2,9 +2,10 @@
 //! what holds for them, dimmed.
 
 use egui::{
-    CollapsingHeader, DragValue, Id, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui, UiBuilder,
+    CollapsingHeader, Color32, DragValue, Id, RichText, ScrollArea, Sense, Shape, Slider, SliderClamping,
+    Stroke, TextEdit, Ui, UiBuilder, vec2,
 };
-use kajo_edit::{Document, Field, FieldKind, FieldValue, Kind, Node, NodeId};
+use kajo_edit::{Document, Field, FieldKind, FieldValue, Keying, Kind, Node, NodeId};
 
 use super::theme;
 use super::widgets::{choice, rows};
@@ -88,7 +89,7 @@ fn fields(ui: &mut Ui, studio: &Studio, document: &Document, node: &Node, action
     let (set, others): (Vec<Field>, Vec<Field>) =
         fields.into_iter().partition(|field| studio.is_set(node.id, field));
     let mut list = |ui: &mut Ui, name: &str, fields: &[Field]| {
-        rows(ui, name, |ui| fields.iter().for_each(|field| row(ui, node.id, field, actions)));
+        rows(ui, name, |ui| fields.iter().for_each(|field| row(ui, studio, node.id, field, actions)));
     };
     list(ui, "fields", &set);
     if others.is_empty() {
@@ -99,7 +100,7 @@ fn fields(ui: &mut Ui, studio: &Studio, document: &Document, node: &Node, action
     more.show_unindented(ui, |ui| list(ui, "others", &others));
 }
 
-fn row(ui: &mut Ui, node: NodeId, field: &Field, actions: &mut Vec<Action>) {
+fn row(ui: &mut Ui, studio: &Studio, node: NodeId, field: &Field, actions: &mut Vec<Action>) {
     let is_written = field.span.is_some();
     let color = if is_written { ui.visuals().strong_text_color() } else { theme::quiet(ui) };
     let label = ui.label(RichText::new(spaced(&field.key)).color(color)).on_hover_text(field.about);
@@ -113,15 +114,77 @@ fn row(ui: &mut Ui, node: NodeId, field: &Field, actions: &mut Vec<Action>) {
             if let Some(value) = value_of_row(ui, field, label.id) {
                 actions.push(Action::SetField { node, key: field.key.clone(), nth: field.nth, value });
             }
+            let mut words = "";
+            if is_written && studio.time_line.is_shown {
+                // It has to find room in rows that are full already.
+                ui.spacing_mut().item_spacing.x = 3.0;
+                ui.spacing_mut().button_padding.x = 4.0;
+                words = key_mark(ui, studio, node, field, actions);
+            }
             if is_written && !field.required {
-                let button = ui.small_button("×").on_hover_text("Take it out: the default holds again");
+                let hint = match words {
+                    "" => "Take it out: the default holds again",
+                    _ => "Take it out with all its keys: the default holds again",
+                };
+                let button = ui.small_button("×").on_hover_text(hint);
                 if button.accessible_name(format!("Reset {}", field.key)).clicked() {
                     actions.push(Action::UnsetField { node, key: field.key.clone(), nth: field.nth });
                 }
             }
+            if !words.is_empty() {
+                ui.label(RichText::new(words).small().color(theme::accent(ui)));
+            }
         });
     });
     ui.end_row();
+}
+
+/// Shows whether a value has keys; a click sets a key at the frame on show, or takes it out. Returns what a change does, in a
+/// word or two; nothing where that is as ever.
+fn key_mark(
+    ui: &mut Ui,
+    studio: &Studio,
+    node: NodeId,
+    field: &Field,
+    actions: &mut Vec<Action>,
+) -> &'static str {
+    let (Some(document), Some(timing)) = (&studio.document, studio.time_line.timing()) else { return "" };
+    let frame = timing.frame;
+    let keying = document.keying(node, &field.key, field.nth);
+    let (rect, response) = ui.allocate_exact_size(vec2(12.0, 16.0), Sense::click());
+    let name = format!("Key of {}", field.key);
+    let is_set = matches!(keying, Keying::Keyed { at_frame: true });
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_set, &name));
+    let (accent, quiet) = (theme::accent(ui), theme::quiet(ui));
+    let (fill, edge, words, hint) = match &keying {
+        Keying::Keyed { at_frame: true } => (
+            accent,
+            accent,
+            "key",
+            format!("A change is one of the key at frame {frame}; a click takes it out"),
+        ),
+        Keying::Keyed { at_frame: false } => {
+            let hint = format!("It has keys, but none at frame {frame}: a change or a click sets one");
+            (Color32::TRANSPARENT, accent, "adds a key", hint)
+        }
+        Keying::Still => {
+            let hint = format!("The same at all times; a click sets its first key, at frame {frame}");
+            (Color32::TRANSPARENT, quiet, "", hint)
+        }
+        Keying::Fixed(why) => {
+            ui.painter().circle_filled(rect.center(), 1.5, quiet);
+            response.on_hover_text(format!("No key: {}", in_words(why)));
+            return "";
+        }
+    };
+    let size = if response.hovered() { 6.0 } else { 5.0 };
+    let corners = [vec2(0.0, -size), vec2(size, 0.0), vec2(0.0, size), vec2(-size, 0.0)];
+    let corners = corners.map(|way| rect.center() + way).to_vec();
+    ui.painter().add(Shape::convex_polygon(corners, fill, Stroke::new(1.3, edge)));
+    if response.on_hover_text(hint).clicked() {
+        actions.push(Action::ToggleKey { node, key: field.key.clone(), nth: field.nth });
+    }
+    words
 }
 
 /// The widget of a field; where no value says what holds, what that is and a way to set one.

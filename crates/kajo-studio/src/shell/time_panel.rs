@@ -4,9 +4,10 @@ use egui::{
     Align2, Button, Color32, DragValue, FontId, Rect, Response, RichText, ScrollArea, Sense, Shape, Stroke,
     Ui, Vec2, pos2, vec2,
 };
-use kajo_edit::{Key, KeyRow, Timing, number_text};
+use kajo_edit::{Interpolation, Key, KeyRow, Outside, Timing, number_text};
 
 use super::theme;
+use super::widgets::{capitalised, choice};
 use crate::state::{Action, Studio};
 
 /// Height of a row, in points.
@@ -23,6 +24,12 @@ const MARGIN: f32 = 10.0;
 
 /// Ticks with numbers are at least so far apart.
 const BETWEEN_NUMBERS: f32 = 44.0;
+
+/// Width of the lists that say how keys go on.
+const MODES: f32 = 230.0;
+
+/// How near to a key the pointer takes it.
+const REACH: f32 = 7.0;
 
 /// The height that it has to begin with, and that of its buttons and ruler alone.
 pub const HEIGHTS: [f32; 2] = [130.0, 64.0];
@@ -104,6 +111,47 @@ fn buttons(ui: &mut Ui, studio: &Studio, timing: &Timing, actions: &mut Vec<Acti
     ui.label(format!("{:.3} s", timing.seconds(timing.frame as f64)));
     ui.separator();
     frames(ui, timing, actions);
+    if let Some(row) = line.chosen_row()
+        && ui.available_width() > MODES
+    {
+        ui.separator();
+        modes(ui, row, actions);
+    }
+}
+
+/// How the values of the chosen keys go from key to key, and what holds outside of them.
+fn modes(ui: &mut Ui, row: &KeyRow, actions: &mut Vec<Action>) {
+    let mut interpolation = row.interpolation;
+    if choice(ui, "between keys", &mut interpolation, &Interpolation::NAMES).changed() {
+        actions.push(Action::SetInterpolation(None, interpolation));
+    }
+    let mut outside = row.outside;
+    if choice(ui, "outside of keys", &mut outside, &Outside::NAMES).changed() {
+        actions.push(Action::SetOutside(None, outside));
+    }
+}
+
+/// What can be done to a row.
+fn menu(ui: &mut Ui, row: &KeyRow, actions: &mut Vec<Action>) {
+    for (name, mode) in Interpolation::NAMES {
+        if ui.radio(row.interpolation == mode, capitalised(name)).clicked() {
+            actions.push(Action::SetInterpolation(Some(row.owner.clone()), mode));
+            ui.close();
+        }
+    }
+    ui.separator();
+    for (name, mode) in Outside::NAMES {
+        if ui.radio(row.outside == mode, capitalised(name)).clicked() {
+            actions.push(Action::SetOutside(Some(row.owner.clone()), mode));
+            ui.close();
+        }
+    }
+    ui.separator();
+    if ui.button("Choose all its keys").clicked() {
+        let keys = row.keys.iter().map(|key| (row.owner.clone(), key.frame)).collect();
+        actions.push(Action::ChooseKeys(keys, false));
+        ui.close();
+    }
 }
 
 /// Draws the sign of a button.
@@ -284,29 +332,41 @@ fn row_of_keys(ui: &mut Ui, scale: &Scale, studio: &Studio, row: &KeyRow, action
     let painter = ui.painter().with_clip_rect(name.shrink2(vec2(4.0, 0.0)).intersect(ui.clip_rect()));
     let at = pos2(name.left() + 6.0, name.center().y);
     painter.text(at, Align2::LEFT_CENTER, &row.name, FontId::proportional(12.0), color);
-    if response.on_hover_text(about(row)).clicked()
+    let response = response.on_hover_text(about(row));
+    response.context_menu(|ui| menu(ui, row, actions));
+    if response.clicked()
         && let Some(node) = node
     {
         actions.push(Action::Select(vec![node]));
     }
-    track(ui, scale, row, rect, id, actions);
+    track(ui, scale, studio, row, rect, id, actions);
 }
 
 /// What is to be known of a row.
 fn about(row: &KeyRow) -> String {
-    let mut text = format!("{}: {} keys", row.name, row.keys.len());
+    let count = if row.keys.len() == 1 { "1 key".to_owned() } else { format!("{} keys", row.keys.len()) };
+    let mut text = format!("{}: {count}\nRight click: how values go from key to key", row.name);
     if row.is_repeated {
         text.push_str("\nIt stands in `repeat`: a change is one of all its turns.");
     }
     text
 }
 
-/// The keys of a row; between them one scrubs.
-fn track(ui: &mut Ui, scale: &Scale, row: &KeyRow, rect: Rect, id: egui::Id, actions: &mut Vec<Action>) {
+/// The keys of a row, which are chosen and dragged; between them one scrubs.
+fn track(
+    ui: &mut Ui,
+    scale: &Scale,
+    studio: &Studio,
+    row: &KeyRow,
+    rect: Rect,
+    id: egui::Id,
+    actions: &mut Vec<Action>,
+) {
     let all =
         Rect::from_x_y_ranges(scale.track.left() - MARGIN..=scale.track.right() + MARGIN, rect.y_range());
     let ground = ui.interact(all, id.with("track"), Sense::click_and_drag());
-    scrub(&ground, scale, actions);
+    grab(ui, &ground, scale, studio, row, actions);
+    ground.context_menu(|ui| menu(ui, row, actions));
     let y = rect.center().y;
     let painter = ui.painter();
     painter.hline(scale.track.x_range(), y, Stroke::new(1.0, ui.visuals().faint_bg_color));
@@ -314,16 +374,54 @@ fn track(ui: &mut Ui, scale: &Scale, row: &KeyRow, rect: Rect, id: egui::Id, act
         painter.hline(scale.x(first.frame)..=scale.x(last.frame), y, Stroke::new(1.5, theme::quiet(ui)));
     }
     painter.vline(scale.x(scale.now), rect.y_range(), Stroke::new(1.0, theme::accent(ui)));
-    for key in &row.keys {
+    for (index, key) in row.keys.iter().enumerate() {
         let place = pos2(scale.x(key.frame), y);
         let around = Rect::from_center_size(place, Vec2::splat(2.0 * MARK + 2.0));
-        let response = ui.interact(around, id.with(key.frame.to_bits()), Sense::click());
+        let response = ui.interact(around, id.with(index), Sense::hover());
         let name = format!("Key {} of {}", frame_text(key.frame), row.name);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-        mark(ui, place, key.is_at(scale.now), false);
-        if response.on_hover_text(about_key(key)).clicked() {
+        let is_chosen = studio.time_line.is_chosen(&row.owner, key.frame);
+        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_chosen, &name));
+        mark(ui, place, key.is_at(scale.now), is_chosen);
+        response.on_hover_text(about_key(key));
+    }
+}
+
+/// A press on a key chooses it, a drag moves it and all others that are chosen; elsewhere they are the time's.
+fn grab(ui: &Ui, ground: &Response, scale: &Scale, studio: &Studio, row: &KeyRow, actions: &mut Vec<Action>) {
+    let line = &studio.time_line;
+    let near = |x: f32| {
+        let distance = |key: &&Key| (scale.x(key.frame) - x).abs();
+        let nearest = row.keys.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.filter(|key| distance(key) <= REACH)
+    };
+    let (origin, was_pressed, is_primary, more) = ui.input(|input| {
+        let pointer = &input.pointer;
+        let more = input.modifiers.shift || input.modifiers.command;
+        (pointer.press_origin(), pointer.any_pressed(), pointer.primary_down(), more)
+    });
+    let Some(origin) = origin.filter(|_| ground.is_pointer_button_down_on() && is_primary) else {
+        if let Some(key) = ground.interact_pointer_pos().and_then(|at| near(at.x))
+            && ground.double_clicked()
+        {
             actions.push(Action::ShowFrame(key.frame.round() as i64));
         }
+        return;
+    };
+    let memory = ground.id.with("key");
+    if was_pressed {
+        let key = near(origin.x);
+        ui.data_mut(|data| data.insert_temp(memory, key.is_some()));
+        if let Some(key) = key.filter(|key| more || !line.is_chosen(&row.owner, key.frame)) {
+            actions.push(Action::ChooseKeys(vec![(row.owner.clone(), key.frame)], more));
+        }
+    }
+    if !ui.data(|data| data.get_temp(memory)).unwrap_or(false) {
+        scrub(ground, scale, actions);
+    } else if ground.dragged()
+        && let Some(at) = ground.interact_pointer_pos()
+    {
+        let by = ((at.x - origin.x) / scale.points()).round() as i64;
+        actions.push(Action::DragKeys(by));
     }
 }
 
@@ -331,7 +429,8 @@ fn track(ui: &mut Ui, scale: &Scale, row: &KeyRow, rect: Rect, id: egui::Id, act
 fn about_key(key: &Key) -> String {
     let values: Vec<String> = key.values.iter().map(|&value| number_text(value)).collect();
     let when = format!("Frame {}, {} s", frame_text(key.frame), number_text(key.seconds));
-    if values.is_empty() { when } else { format!("{when}: {}", values.join(" ")) }
+    let text = if values.is_empty() { when } else { format!("{when}: {}", values.join(" ")) };
+    format!("{text}\nDrag moves it, Delete takes it out, a double click goes there")
 }
 
 /// A frame, with a fraction if it has one.

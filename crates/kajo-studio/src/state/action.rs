@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use kajo::View;
 use kajo_edit::handles::Mode;
-use kajo_edit::{FieldValue, FileId, NodeId};
+use kajo_edit::{FieldValue, FileId, Interpolation, KeyOwner, NodeId, Outside};
 use kajo_math::{DVec2, DVec3};
 
 use super::Held;
@@ -115,6 +115,27 @@ pub enum Action {
     SetRate(f64),
     /// Writes the first and the last frame into the scene.
     SetFrames([i64; 2]),
+    /// Chooses these keys, each by its frame; beside those that are chosen already, if so.
+    ChooseKeys(Vec<(KeyOwner, f64)>, bool),
+    /// Moves what keys are chosen to this many frames from where the drag began.
+    DragKeys(i64),
+    /// Takes the chosen keys out.
+    DeleteKeys,
+    /// Sets a key of a value at the frame on show, or takes it out if there is one.
+    ToggleKey {
+        /// The block.
+        node: NodeId,
+        /// The field.
+        key: String,
+        /// Which of several with that key.
+        nth: usize,
+    },
+    /// Sets keys at the frame on show for all values of what is selected that have keys.
+    KeySelected,
+    /// Says how the values of the rows of the chosen keys, or of this row, go from key to key.
+    SetInterpolation(Option<KeyOwner>, Interpolation),
+    /// Says what holds outside of these keys.
+    SetOutside(Option<KeyOwner>, Outside),
 
     // Selection.
     /// Chooses these nodes.
@@ -196,6 +217,13 @@ impl Action {
                 | Action::Loop(_)
                 | Action::SetRate(_)
                 | Action::SetFrames(_)
+                | Action::ChooseKeys(..)
+                | Action::DragKeys(_)
+                | Action::DeleteKeys
+                | Action::ToggleKey { .. }
+                | Action::KeySelected
+                | Action::SetInterpolation(..)
+                | Action::SetOutside(..)
         )
     }
 }

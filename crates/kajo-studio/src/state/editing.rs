@@ -4,7 +4,7 @@ use std::path::Path;
 
 use kajo::output::Target;
 use kajo::{BitDepth, Format, View};
-use kajo_edit::{Document, Edit, Field, FieldValue, Kind, NodeId, template};
+use kajo_edit::{Document, Edit, Field, FieldValue, Keying, Kind, NodeId, template};
 use kajo_math::DVec3;
 
 use super::long_texts::Task;
@@ -92,6 +92,7 @@ impl Studio {
 
     fn select(&mut self, nodes: Vec<NodeId>) {
         self.end_drag();
+        self.time_line.choose_none();
         if let Some(document) = &self.document {
             self.selection.set(nodes, document);
         }
@@ -116,7 +117,7 @@ impl Studio {
     pub(super) fn edit(&mut self, edit: &Edit) -> Option<NodeId> {
         self.steps.edited();
         self.pictures.shown = None;
-        let is_dragging = self.dragged.is_some() || self.grip.is_some();
+        let is_dragging = self.dragged.is_some() || self.grip.is_some() || self.time_line.is_dragging();
         if is_dragging && self.has_long_text() {
             self.do_beside(Task::Apply(edit.clone()));
             return None;
@@ -135,7 +136,7 @@ impl Studio {
         }
     }
 
-    fn edit_and_say(&mut self, edit: &Edit) {
+    pub(super) fn edit_and_say(&mut self, edit: &Edit) {
         self.end_drag();
         self.notice = None;
         self.edit(edit);
@@ -206,8 +207,15 @@ impl Studio {
         if let Some(document) = &mut self.document {
             let mut fields = document.fields(node).into_iter();
             let was_absent = fields.any(|field| field.is(key, nth) && field.span.is_none());
-            document.begin_gesture(format!("set {key}"));
+            let keying = document.keying(node, key, nth);
+            let is_keyed = matches!(keying, Keying::Keyed { .. });
+            document.begin_gesture(format!("set {}{key}", if is_keyed { "a key of " } else { "" }));
+            let frame = document.timing().frame;
             self.dragged = Some(DraggedField { node, key: key.to_owned(), nth, was_absent });
+            if let Keying::Keyed { at_frame } = keying {
+                let what = if at_frame { "Changes the" } else { "Sets a new" };
+                self.say(&format!("{what} key of {key} at frame {frame}."), false);
+            }
         }
     }
 
@@ -216,6 +224,7 @@ impl Studio {
         self.dragged = None;
         self.grip = None;
         self.typing = None;
+        self.time_line.chosen.let_go();
         if let Some(document) = &mut self.document {
             document.end_gesture();
         }

@@ -61,6 +61,7 @@ impl Studio {
                 self.grip = None;
                 self.dragged = None;
                 self.typing = None;
+                self.time_line.chosen.take_back();
                 if let Some(document) = &mut self.document {
                     document.cancel_gesture();
                 }

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use kajo_edit::{Edit, FieldValue, KeyRow, Timing};
+use kajo_edit::{Edit, FieldValue, KeyOwner, KeyRow, Timing};
 
+use super::chosen_keys::{ChosenKeys, is_same_frame};
 use super::long_texts::Task;
 use super::{Action, Studio, Version};
 
@@ -17,6 +18,9 @@ pub struct TimeLine {
     /// The keys of the texts, and the version of these.
     rows: Option<(Version, Arc<[KeyRow]>)>,
     timing: Option<(Version, Timing)>,
+    pub(super) chosen: ChosenKeys,
+    /// Whether it is on show, and with it the keys of fields.
+    pub is_shown: bool,
 }
 
 /// Frames that follow each other as time goes by.
@@ -59,6 +63,69 @@ impl TimeLine {
     }
 }
 
+/// The keys that are chosen.
+impl TimeLine {
+    /// Whether a key is chosen.
+    pub fn is_chosen(&self, owner: &KeyOwner, frame: f64) -> bool {
+        self.chosen.keys.iter().any(|(other, at)| other == owner && is_same_frame(*at, frame))
+    }
+
+    /// How many keys are chosen.
+    pub fn n_chosen(&self) -> usize {
+        self.chosen.keys.len()
+    }
+
+    /// Whether keys are being dragged.
+    pub fn is_dragging(&self) -> bool {
+        self.chosen.drag.is_some()
+    }
+
+    /// The first of the rows whose keys are chosen.
+    pub fn chosen_row(&self) -> Option<&KeyRow> {
+        let (owner, _) = self.chosen.keys.first()?;
+        self.rows().iter().find(|row| row.owner == *owner)
+    }
+
+    pub(super) fn choose_none(&mut self) {
+        self.chosen.keys.clear();
+    }
+
+    /// Keys that edits have taken away are chosen no longer; while they are dragged, they may pass over others.
+    pub(super) fn forget_gone_keys(&mut self) {
+        if self.is_dragging() {
+            return;
+        }
+        let mut keys = std::mem::take(&mut self.chosen.keys);
+        keys.retain(|(owner, frame)| self.index_of(owner, *frame).is_some());
+        self.chosen.keys = keys;
+    }
+
+    fn index_of(&self, owner: &KeyOwner, frame: f64) -> Option<usize> {
+        self.rows().iter().find(|row| row.owner == *owner)?.key_at(frame)
+    }
+
+    /// The chosen keys, with their places in their rows.
+    pub(super) fn chosen_keys(&self) -> Vec<(KeyOwner, usize, f64)> {
+        let keys = self.chosen.keys.iter();
+        keys.filter_map(|(owner, frame)| Some((owner.clone(), self.index_of(owner, *frame)?, *frame)))
+            .collect()
+    }
+
+    /// The rows of the chosen keys, or this one.
+    pub(super) fn rows_meant(&self, owner: Option<KeyOwner>) -> Vec<KeyOwner> {
+        let Some(owner) = owner else {
+            let mut owners: Vec<KeyOwner> = Vec::new();
+            for (owner, _) in &self.chosen.keys {
+                if !owners.contains(owner) {
+                    owners.push(owner.clone());
+                }
+            }
+            return owners;
+        };
+        vec![owner]
+    }
+}
+
 /// The frame that is due.
 ///
 /// * `elapsed`: seconds since `from` was on show
@@ -89,7 +156,7 @@ impl Studio {
             }
             Action::SetRate(fps) => self.set_timing(&timing, fps, [timing.first, timing.last], "fps"),
             Action::SetFrames(frames) => self.set_timing(&timing, timing.fps, frames, "frames"),
-            _ => {}
+            other => self.key_action(other),
         }
     }
 
@@ -102,6 +169,7 @@ impl Studio {
         if self.time_line.timing.is_none_or(|(of, _)| of != version) {
             self.time_line.rows = Some((version, document.key_rows().into()));
             self.time_line.timing = Some((version, document.timing()));
+            self.time_line.forget_gone_keys();
         }
         let (Some(playing), Some(timing)) = (&self.time_line.playing, self.time_line.timing()) else {
             return;

@@ -1,0 +1,504 @@
+//! Keys set, moved and taken out, as edits of the text.
+//!
+//! A key is a piece of text: its time, a colon and its values; of a `Motion` it is the whole block. Pieces change places where
+//! the order of time asks for it, what stands between them stays where it is, and of a number that stays no byte changes.
+
+use std::ops::Range;
+
+use kajo_core::schema::{FieldKind, FieldValue, Kind, number_text};
+use kajo_math::keyed::{Interpolation, Outside};
+use kajo_scene::{Item, NamedValue, Span, TokenKind, apply_edits, tokens};
+
+use super::{Block, KEY, KeyOwner, MOTION, SAME, Written};
+use crate::fields::{fields_of, is_same_number};
+use crate::tree::Tree;
+use crate::{Document, EditRefused, FileId, Node, NodeId, TextEdit, layout};
+
+/// Whether a value has keys, or could have some.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Keying {
+    /// It has none, and could.
+    Still,
+    /// It has some.
+    Keyed {
+        /// Whether one of them is at the frame on show: that one is edited, and otherwise a new one is set.
+        at_frame: bool,
+    },
+    /// It cannot have any that are set here, and why, for people.
+    Fixed(String),
+}
+
+/// Names that are looked up one for another, at most.
+const NAMES_DEEP: u32 = 8;
+
+/// Names that are looked at, at most: every turn of a `repeat` has one.
+const NAMES: usize = 1000;
+
+/// Digits behind the point of a time that is written.
+const DIGITS: usize = 12;
+
+impl Document {
+    /// Whether a value has keys, or could have some.
+    ///
+    /// * `nth`: which of several with this word
+    pub fn keying(&self, id: NodeId, key: &str, nth: usize) -> Keying {
+        self.node(id).map_or_else(
+            || Keying::Fixed("it is no longer there".to_owned()),
+            |node| self.tree.keying(node, key, nth),
+        )
+    }
+}
+
+impl Tree {
+    fn keying(&self, node: &Node, key: &str, nth: usize) -> Keying {
+        let item = self.value_item(node, key, Some(nth));
+        let blocks: Vec<Block<'_>> = item.map_or_else(Vec::new, |item| self.blocks_of(item));
+        if !blocks.is_empty() {
+            let is_at = |block: &Block<'_>| block.row.key_at(block.row.within(self.now())).is_some();
+            return Keying::Keyed { at_frame: blocks.iter().all(is_at) };
+        }
+        match self.refusal(node, key, item) {
+            Some(why) => Keying::Fixed(why),
+            None => Keying::Still,
+        }
+    }
+
+    /// Why a value cannot have keys, if so.
+    fn refusal(&self, node: &Node, key: &str, item: Option<Item<'_>>) -> Option<String> {
+        let is_number = match kind_of_field(node, key) {
+            Some(
+                FieldKind::Flag
+                | FieldKind::Choice(_)
+                | FieldKind::File
+                | FieldKind::Text
+                | FieldKind::Function
+                | FieldKind::Material
+                | FieldKind::Integrator,
+            ) => item.is_some_and(|item| item.numbers().len() > 0 && item.word().is_none()),
+            _ => item.is_none_or(|item| item.numbers().len() > 0),
+        };
+        if node.kind == Kind::Animation {
+            return Some("the frames of a scene are the same at all times".to_owned());
+        }
+        if &*node.keyword == "Model" && key == "animation" {
+            return Some(
+                "the keys of a model's own animation are in its file; `animationTime` can have some"
+                    .to_owned(),
+            );
+        }
+        if !is_number {
+            return Some("only numbers can have keys".to_owned());
+        }
+        let timed = item?
+            .numbers()
+            .map(|(_, span)| self.desc.sources().text(span))
+            .find(|text| self.is_timed(text))?;
+        Some(format!("it is written as `{timed}`: change that in the text"))
+    }
+
+    /// Whether an expression names the time, or a value that changes with it.
+    fn is_timed(&self, expression: &str) -> bool {
+        self.names_time(expression, NAMES_DEEP)
+    }
+
+    /// * `deep`: how many names may stand for each other
+    fn names_time(&self, expression: &str, deep: u32) -> bool {
+        let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        expression.split(|c| !is_letter(c)).filter(|word| !word.is_empty()).any(|word| {
+            let named = self.desc.named_values().take(NAMES);
+            let mut same = named.filter(|(name, _)| *name == word && deep > 0);
+            let is_changing = |value: NamedValue| {
+                // What stands behind it, to the end of its line, as far as there is no block.
+                let (file, name) = self.range_of(value.name);
+                let behind = &self.text(file)[name.end..];
+                let end = behind.find(['\n', '\r', '{', '}']).unwrap_or(behind.len());
+                value.literal.is_none() && self.names_time(&behind[..end], deep - 1)
+            };
+            matches!(word, "time" | "frame" | "keys") || same.any(|(_, value)| is_changing(value))
+        })
+    }
+
+    /// The frame on show.
+    fn now(&self) -> f64 {
+        self.desc.clock().frame() as f64
+    }
+
+    /// The blocks of keys that say numbers of an item.
+    fn blocks_of(&self, item: Item<'_>) -> Vec<Block<'_>> {
+        let file = self.range(item).0;
+        let is_within = |place: Span| {
+            let (of, range) = self.range_of(place);
+            of == file && item.numbers().any(|(_, number)| number.range() == range)
+        };
+        let keyed = self.desc.keyed().iter().filter(|keyed| is_within(keyed.place));
+        keyed.filter_map(|keyed| self.block(keyed, &[])).collect()
+    }
+
+    /// Whether any number of an item has keys.
+    pub(crate) fn has_keys(&self, item: Item<'_>) -> bool {
+        !self.blocks_of(item).is_empty()
+    }
+
+    fn block_of(&self, owner: &KeyOwner) -> Result<Block<'_>, EditRefused> {
+        let gone = || EditRefused::new("these keys are no longer there");
+        self.key_blocks().into_iter().find(|block| block.row.owner == *owner).ok_or_else(gone)
+    }
+
+    /// Gives numbers to an item: those that have keys get one at the frame on show.
+    pub(crate) fn set_values_of(
+        &self,
+        item: Item<'_>,
+        value: &FieldValue,
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let blocks = self.blocks_of(item);
+        if blocks.is_empty() {
+            return Ok(self.replace_values(item, value));
+        }
+        let numbers: Vec<(f64, Range<usize>)> = item.numbers().map(|(n, span)| (n, span.range())).collect();
+        let same_word = item.word().map(|word| word.text().into_owned()) == value.word;
+        if numbers.len() != value.numbers.len() || !same_word {
+            return Err(EditRefused::new(format!(
+                "`{}` has keys, and those have other numbers: take it out first",
+                item.keyword()
+            )));
+        }
+        let file = self.range(item).0;
+        let mut edits = Vec::new();
+        let mut at = 0;
+        for run in numbers.chunk_by(|a, b| a.1 == b.1) {
+            let new = &value.numbers[at..at + run.len()];
+            at += run.len();
+            let is_same = run.iter().zip(new).all(|((old, _), new)| is_same_number(*old, *new));
+            match blocks.iter().find(|block| block.row.span.1 == run[0].1) {
+                _ if is_same => {}
+                Some(block) => edits.extend(self.set_key(block, new)?),
+                None => {
+                    let changed = run.iter().zip(new).filter(|((old, _), new)| !is_same_number(*old, **new));
+                    edits.extend(changed.map(|((_, range), new)| TextEdit {
+                        file,
+                        range: range.clone(),
+                        new: number_text(*new),
+                    }));
+                }
+            }
+        }
+        Ok(edits)
+    }
+
+    /// Gives values to the key at the frame on show, or sets one there.
+    fn set_key(&self, block: &Block<'_>, values: &[f64]) -> Result<Vec<TextEdit>, EditRefused> {
+        let (row, file) = (&block.row, block.row.span.0);
+        let frame = row.within(self.now());
+        let Written::Values(keyed) = block.written else { return Err(not_of_a_motion()) };
+        if let Some(index) = row.key_at(frame) {
+            let mut edits = Vec::new();
+            for ((old, range), &new) in keyed.keys[index].values.iter().zip(values) {
+                if !is_same_number(*old, new) {
+                    self.check_literal(file, range)?;
+                    edits.push(TextEdit { file, range: range.clone(), new: number_text(new) });
+                }
+            }
+            return Ok(edits);
+        }
+        let numbers: Vec<String> = values.iter().map(|&value| number_text(single(value))).collect();
+        let piece = format!("{}: {}", self.time_text(frame), numbers.join(" "));
+        Ok(vec![self.inserted_key(block, frame, &piece)])
+    }
+
+    /// Puts the text of a key where its time asks for it.
+    fn inserted_key(&self, block: &Block<'_>, frame: f64, piece: &str) -> TextEdit {
+        let file = block.row.span.0;
+        let text = self.text(file);
+        let before = block.row.keys.iter().rposition(|key| key.frame < frame);
+        let (at, new) = match before {
+            Some(index) => layout::after(text, &block.pieces[index].0, piece),
+            None => layout::before(text, block.pieces[0].0.start, piece),
+        };
+        TextEdit::insert(file, at, new)
+    }
+
+    /// Sets keys at the frame on show for all numbers of a value, which may have none yet.
+    pub(crate) fn key_field(
+        &self,
+        node: &Node,
+        key: &str,
+        nth: Option<usize>,
+        value: Option<&FieldValue>,
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let item = self.value_item(node, key, nth);
+        let blocks = item.map_or_else(Vec::new, |item| self.blocks_of(item));
+        if blocks.is_empty()
+            && let Some(why) = self.refusal(node, key, item)
+        {
+            return Err(EditRefused::new(why));
+        }
+        let mode = match kind_of_field(node, key) {
+            Some(FieldKind::Whole { .. } | FieldKind::Wholes(_) | FieldKind::ChoiceAndWhole(_)) => "step ",
+            _ => "",
+        };
+        let wrapped = |numbers: &str| format!("keys {mode}{{ {}: {numbers} }}", self.time_text(self.now()));
+        let Some(item) = item else {
+            let value = value.cloned().unwrap_or_else(|| self.start(node, key));
+            if value.word.is_some() || value.numbers.is_empty() {
+                return Err(EditRefused::new("only numbers can have keys"));
+            }
+            return self.insert_text(node, key, &wrapped(&value.text()));
+        };
+        let numbers: Vec<(f64, Range<usize>)> = item.numbers().map(|(n, span)| (n, span.range())).collect();
+        let new =
+            value.map_or_else(|| numbers.iter().map(|(n, _)| *n).collect(), |value| value.numbers.clone());
+        if new.len() != numbers.len() {
+            return Err(EditRefused::new("keys have as many numbers as the value"));
+        }
+        let file = self.range(item).0;
+        let block_at = |range: &Range<usize>| blocks.iter().find(|block| block.row.span.1 == *range);
+        let mut edits = Vec::new();
+        let mut at = 0;
+        // Numbers of one block of keys, or numbers that stand side by side without any.
+        for run in numbers.chunk_by(|a, b| match (block_at(&a.1), block_at(&b.1)) {
+            (Some(_), _) | (_, Some(_)) => a.1 == b.1,
+            (None, None) => true,
+        }) {
+            let new = &new[at..at + run.len()];
+            at += run.len();
+            match block_at(&run[0].1) {
+                Some(block) => edits.extend(self.set_key(block, new)?),
+                None => {
+                    let range = run[0].1.start..run[run.len() - 1].1.end;
+                    let numbers = self.with_numbers(file, run, new)?;
+                    edits.push(TextEdit { file, range, new: wrapped(&numbers) });
+                }
+            }
+        }
+        Ok(edits)
+    }
+
+    /// The text of numbers that stand side by side, with other values where these differ.
+    fn with_numbers(
+        &self,
+        file: FileId,
+        run: &[(f64, Range<usize>)],
+        new: &[f64],
+    ) -> Result<String, EditRefused> {
+        // Such as `#ff8000`, which stands for three.
+        if run.windows(2).any(|pair| pair[0].1 == pair[1].1) {
+            return Ok(new.iter().map(|&value| number_text(value)).collect::<Vec<_>>().join(" "));
+        }
+        let start = run[0].1.start;
+        let text = &self.text(file)[start..run[run.len() - 1].1.end];
+        let differing = run.iter().zip(new).filter(|((old, _), new)| !is_same_number(*old, **new));
+        let edits: Vec<_> = differing
+            .map(|((_, range), new)| (range.start - start..range.end - start, number_text(*new)))
+            .collect();
+        Ok(apply_edits(text, &edits)?)
+    }
+
+    /// Moves keys by a number of frames, onto whole ones. A key that stands where one comes to gives way to it.
+    pub(crate) fn move_keys(
+        &self,
+        keys: &[(KeyOwner, usize)],
+        frames: f64,
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let mut edits = Vec::new();
+        for (owner, moved) in by_owner(keys) {
+            let block = self.block_of(owner)?;
+            edits.extend(self.moved_within(&block, &moved, frames)?);
+        }
+        Ok(edits)
+    }
+
+    fn moved_within(
+        &self,
+        block: &Block<'_>,
+        moved: &[usize],
+        frames: f64,
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let (file, text) = (block.row.span.0, self.text(block.row.span.0));
+        let mut there: Vec<f64> = Vec::new();
+        // When each key will be, and its text.
+        let mut pieces: Vec<(f64, usize, String)> = Vec::new();
+        for (index, key) in block.row.keys.iter().enumerate() {
+            let (piece, time) = &block.pieces[index];
+            if !moved.contains(&index) {
+                pieces.push((key.frame, index, text[piece.clone()].to_owned()));
+                continue;
+            }
+            self.check_literal(file, time)?;
+            let frame = (key.frame + frames).round();
+            if there.contains(&frame) {
+                return Err(EditRefused::new(format!("two keys cannot both be at frame {frame}")));
+            }
+            there.push(frame);
+            let within = time.start - piece.start..time.end - piece.start;
+            let new = apply_edits(&text[piece.clone()], &[(within, self.time_text(frame))])?;
+            pieces.push((frame, index, new));
+        }
+        let gives_way = |&(frame, index, _): &(f64, usize, String)| {
+            !moved.contains(&index) && there.iter().any(|&other| (frame - other).abs() < SAME)
+        };
+        let gone: Vec<usize> = pieces.iter().filter(|piece| gives_way(piece)).map(|piece| piece.1).collect();
+        pieces.retain(|piece| !gone.contains(&piece.1));
+        check_rest(block, pieces.len())?;
+        pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let places = (0..block.pieces.len()).filter(|index| !gone.contains(index));
+        let mut edits = self.without_pieces(block, &gone);
+        for (place, (_, index, new)) in places.zip(pieces) {
+            let (piece, time) = &block.pieces[place];
+            if text[piece.clone()] == *new {
+                continue;
+            }
+            edits.push(match place == index {
+                // Nothing but its time.
+                true => {
+                    let rest = piece.end - time.end;
+                    let new = new[time.start - piece.start..new.len() - rest].to_owned();
+                    TextEdit { file, range: time.clone(), new }
+                }
+                false => TextEdit { file, range: piece.clone(), new },
+            });
+        }
+        Ok(edits)
+    }
+
+    /// Takes keys out. A value whose keys all go is from then on what it is at the frame on show.
+    pub(crate) fn delete_keys(&self, keys: &[(KeyOwner, usize)]) -> Result<Vec<TextEdit>, EditRefused> {
+        let mut edits = Vec::new();
+        for (owner, gone) in by_owner(keys) {
+            let block = self.block_of(owner)?;
+            let rest = (0..block.pieces.len()).filter(|index| !gone.contains(index)).count();
+            if rest == 0 && matches!(block.written, Written::Values(_)) {
+                let values = block.row.values_at(self.now());
+                let numbers: Vec<String> = values.into_iter().map(|v| number_text(single(v))).collect();
+                let (file, range) = block.row.span.clone();
+                edits.push(TextEdit { file, range, new: numbers.join(" ") });
+                continue;
+            }
+            check_rest(&block, rest)?;
+            edits.extend(self.without_pieces(&block, &gone));
+        }
+        Ok(edits)
+    }
+
+    /// Takes the text of keys out.
+    fn without_pieces(&self, block: &Block<'_>, gone: &[usize]) -> Vec<TextEdit> {
+        let file = block.row.span.0;
+        let mut edits: Vec<TextEdit> = Vec::new();
+        for (index, (piece, _)) in block.pieces.iter().enumerate() {
+            if !gone.contains(&index) {
+                continue;
+            }
+            let range = layout::removal(self.text(file), piece);
+            match edits.last_mut().filter(|last| last.range.end >= range.start) {
+                Some(last) => last.range.end = last.range.end.max(range.end),
+                None => edits.push(TextEdit { file, range, new: String::new() }),
+            }
+        }
+        edits
+    }
+
+    /// Says how values go from key to key, and what holds outside of the keys; `None` for what stays.
+    pub(crate) fn set_key_modes(
+        &self,
+        owner: &KeyOwner,
+        interpolation: Option<Interpolation>,
+        outside: Option<Outside>,
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let block = self.block_of(owner)?;
+        let Written::Values(_) = block.written else {
+            return Err(EditRefused::new(
+                "a `Motion` goes steadily from key to key, and stands still outside of them",
+            ));
+        };
+        let (file, span) = block.row.span.clone();
+        let text = &self.text(file)[span.clone()];
+        let head = tokens(text).take_while(|token| token.kind != TokenKind::OpenBrace);
+        let words: Vec<Range<usize>> =
+            head.filter(|token| token.kind == TokenKind::Word).map(|token| token.range()).collect();
+        let behind = words.first().map_or(0, |keys| keys.end);
+        let interpolation = interpolation.filter(|new| *new != block.row.interpolation);
+        let outside = outside.filter(|new| *new != block.row.outside);
+        let mut edits = Vec::new();
+        let mut inserted = String::new();
+        let mut set = |names: Vec<(&'static str, bool)>| {
+            let Some((name, _)) = names.iter().find(|(_, is_new)| *is_new) else { return };
+            let is_of_these =
+                |range: &&Range<usize>| names.iter().any(|(name, _)| text[(*range).clone()] == **name);
+            match words.iter().skip(1).rfind(is_of_these) {
+                Some(word) => edits.push(TextEdit {
+                    file,
+                    range: span.start + word.start..span.start + word.end,
+                    new: (*name).to_owned(),
+                }),
+                None => inserted.push_str(&format!(" {name}")),
+            }
+        };
+        set(Interpolation::NAMES.iter().map(|(name, mode)| (*name, Some(*mode) == interpolation)).collect());
+        set(Outside::NAMES.iter().map(|(name, mode)| (*name, Some(*mode) == outside)).collect());
+        if !inserted.is_empty() {
+            edits.push(TextEdit::insert(file, span.start + behind, inserted));
+        }
+        Ok(edits)
+    }
+
+    /// The time of a frame in seconds, with as many digits as it takes to be that of the frame.
+    fn time_text(&self, frame: f64) -> String {
+        let clock = self.desc.clock();
+        let seconds = (frame - clock.first_frame() as f64) / clock.fps();
+        let meant = clock.in_frames(seconds);
+        let rounded = (0..=DIGITS).map(|digits| format!("{seconds:.digits$}"));
+        let exact = rounded
+            .into_iter()
+            .find(|text| text.parse().is_ok_and(|read: f64| clock.in_frames(read) == meant));
+        let text = exact.unwrap_or_else(|| number_text(seconds));
+        if text == "-0" { "0".to_owned() } else { text }
+    }
+
+    /// Refuses what is no plain number.
+    fn check_literal(&self, file: FileId, range: &Range<usize>) -> Result<(), EditRefused> {
+        let written = &self.text(file)[range.clone()];
+        match written.parse::<f64>() {
+            Ok(_) => Ok(()),
+            Err(_) => Err(EditRefused::new(format!("it is written as `{written}`: change that in the text"))),
+        }
+    }
+
+    /// The pieces of text of the keys of a `Motion`, each with its time.
+    pub(super) fn motion_pieces(&self, node: &Node) -> Vec<(Range<usize>, Range<usize>)> {
+        debug_assert_eq!(&*node.keyword, MOTION);
+        let time = |item: &Item<'_>| item.numbers().next().map(|(_, span)| span.range());
+        self.motion_keys(node).filter_map(|item| Some((item.span().range(), time(&item)?))).collect()
+    }
+}
+
+fn kind_of_field(node: &Node, key: &str) -> Option<FieldKind> {
+    fields_of(&node.keyword).find(|spec| spec.key == key).map(|spec| spec.kind)
+}
+
+/// A `Motion` has two keys at least, and a value one.
+fn check_rest(block: &Block<'_>, rest: usize) -> Result<(), EditRefused> {
+    let is_enough = rest >= 2 || matches!(block.written, Written::Values(_));
+    is_enough.then_some(()).ok_or_else(|| {
+        EditRefused::new(format!("a `{MOTION}` has two keys at least, each a `{KEY}`: take out all of it"))
+    })
+}
+
+fn not_of_a_motion() -> EditRefused {
+    EditRefused::new(format!("the keys of a `{MOTION}` are blocks of operations: write them in the text"))
+}
+
+/// Keys by what they belong to.
+fn by_owner(keys: &[(KeyOwner, usize)]) -> Vec<(&KeyOwner, Vec<usize>)> {
+    let mut all: Vec<(&KeyOwner, Vec<usize>)> = Vec::new();
+    for (owner, index) in keys {
+        match all.iter_mut().find(|(other, _)| *other == owner) {
+            Some((_, indices)) => indices.push(*index),
+            None => all.push((owner, vec![*index])),
+        }
+    }
+    all
+}
+
+/// In the precision of scenes.
+fn single(value: f64) -> f64 {
+    if value.fract() == 0.0 { value } else { f64::from(value as f32) }
+}
