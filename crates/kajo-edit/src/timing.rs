@@ -140,6 +140,22 @@ mod tests {
         }
     }
 
+    /// As the manual says it.
+    #[test]
+    fn what_is_repeated_once_or_not_at_all_comes_and_goes() {
+        let text = "let seen = keys step { 0: 1  1.5: 0 }
+            PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
+            Materials { Matte { } }
+            Group { MaterialIndex 0  Sphere { center 0 0 0  radius 1 }  repeat once seen { Sphere { center 0 2 0  radius 1 } } }";
+        let mut document = Document::untitled(Path::new("."), text, LoadOptions::default()).unwrap();
+        for (frame, expected) in [(1, 3.0), (36, 3.0), (37, 1.0), (12, 3.0)] {
+            document.show_frame(frame);
+            assert_eq!(top(&mut document), expected, "frame {frame}");
+        }
+        let rows = document.key_rows();
+        assert_eq!((&*rows[0].name, rows[0].keys.len()), ("let seen", 2));
+    }
+
     #[test]
     fn frames_go_by_while_a_scene_is_edited_and_nodes_remain_what_they_are() {
         let mut document = document("", "keys { 0: 1  1: 3 }");

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use kajo_core::schema::{FieldKind, FieldValue, Kind, number_text};
 use kajo_math::keyed::{Interpolation, Outside};
-use kajo_scene::{Item, NamedValue, Span, TokenKind, apply_edits, tokens};
+use kajo_scene::{Item, KeysOwner, NamedValue, Span, TokenKind, apply_edits, tokens};
 
 use super::{Block, KEY, KeyOwner, MOTION, SAME, Written};
 use crate::fields::{fields_of, is_same_number};
@@ -47,15 +47,28 @@ impl Document {
             |node| self.tree.keying(node, key, nth),
         )
     }
+
+    /// The keys that a value has at the frame on show, by their places in their rows.
+    ///
+    /// * `nth`: which of several with this word
+    pub fn keys_here(&self, id: NodeId, key: &str, nth: usize) -> Vec<(KeyOwner, usize)> {
+        let item = self.node(id).and_then(|node| self.tree.value_item(node, key, Some(nth)));
+        let blocks = item.map_or_else(Vec::new, |item| self.tree.blocks_of(item));
+        let here = |(_, block): (Range<usize>, Block<'_>)| {
+            let index = block.row.key_at(block.row.within(self.tree.now()))?;
+            Some((block.row.owner, index))
+        };
+        blocks.into_iter().filter_map(here).collect()
+    }
 }
 
 impl Tree {
     fn keying(&self, node: &Node, key: &str, nth: usize) -> Keying {
         let item = self.value_item(node, key, Some(nth));
-        let blocks: Vec<Block<'_>> = item.map_or_else(Vec::new, |item| self.blocks_of(item));
+        let blocks = item.map_or_else(Vec::new, |item| self.blocks_of(item));
         if !blocks.is_empty() {
             let is_at = |block: &Block<'_>| block.row.key_at(block.row.within(self.now())).is_some();
-            return Keying::Keyed { at_frame: blocks.iter().all(is_at) };
+            return Keying::Keyed { at_frame: blocks.iter().all(|(_, block)| is_at(block)) };
         }
         match self.refusal(node, key, item) {
             Some(why) => Keying::Fixed(why),
@@ -123,20 +136,40 @@ impl Tree {
         self.desc.clock().frame() as f64
     }
 
-    /// The blocks of keys that say numbers of an item.
-    fn blocks_of(&self, item: Item<'_>) -> Vec<Block<'_>> {
-        let file = self.range(item).0;
-        let is_within = |place: Span| {
-            let (of, range) = self.range_of(place);
-            of == file && item.numbers().any(|(_, number)| number.range() == range)
-        };
-        let keyed = self.desc.keyed().iter().filter(|keyed| is_within(keyed.place));
-        keyed.filter_map(|keyed| self.block(keyed, &[])).collect()
+    /// The blocks of keys that say numbers of an item, each with the bytes of these numbers: the keys themselves, or the name of
+    /// a value that has them.
+    fn blocks_of(&self, item: Item<'_>) -> Vec<(Range<usize>, Block<'_>)> {
+        let mut places: Vec<Span> = item.numbers().map(|(_, span)| span).collect();
+        places.dedup();
+        let block = |place: Span| Some((place.range(), self.block_at(place)?));
+        if self.desc.keyed().is_empty() { Vec::new() } else { places.into_iter().filter_map(block).collect() }
+    }
+
+    /// The keys that a number is written as, or that the value has whose name it is written as.
+    fn block_at(&self, place: Span) -> Option<Block<'_>> {
+        let at = self.range_of(place);
+        if let Some(keyed) = self.desc.keyed().iter().find(|keyed| self.range_of(keyed.place) == at) {
+            return self.block(keyed, &[]);
+        }
+        let text = self.desc.sources().text(place);
+        let values = self.desc.keyed().iter().filter_map(|keyed| match keyed.owner {
+            KeysOwner::Value(index) => Some((keyed, self.desc.named_values().nth(index as usize)?)),
+            KeysOwner::Item { .. } => None,
+        });
+        let same: Vec<_> = values.filter(|(_, (name, _))| *name == text).collect();
+        if same.is_empty() {
+            return None;
+        }
+        let (_, named) = self.desc.expressions().find(|(span, _)| *span == place)?;
+        let (keyed, _) =
+            same.into_iter().rfind(|(_, (_, value))| Some(value.name) == named.map(|named| named.name))?;
+        let span = self.range_of(keyed.place);
+        self.key_blocks().into_iter().find(|block| block.row.span == span)
     }
 
     /// Whether any number of an item has keys.
     pub(crate) fn has_keys(&self, item: Item<'_>) -> bool {
-        !self.blocks_of(item).is_empty()
+        self.blocks_of(item).iter().any(|(number, block)| block.row.span.1 == *number)
     }
 
     fn block_of(&self, owner: &KeyOwner) -> Result<Block<'_>, EditRefused> {
@@ -169,9 +202,9 @@ impl Tree {
             let new = &value.numbers[at..at + run.len()];
             at += run.len();
             let is_same = run.iter().zip(new).all(|((old, _), new)| is_same_number(*old, *new));
-            match blocks.iter().find(|block| block.row.span.1 == run[0].1) {
+            match blocks.iter().find(|(number, _)| *number == run[0].1) {
                 _ if is_same => {}
-                Some(block) => edits.extend(self.set_key(block, new)?),
+                Some((_, block)) => edits.extend(self.set_key(block, new)?),
                 None => {
                     let changed = run.iter().zip(new).filter(|((old, _), new)| !is_same_number(*old, **new));
                     edits.extend(changed.map(|((_, range), new)| TextEdit {
@@ -182,7 +215,7 @@ impl Tree {
                 }
             }
         }
-        Ok(edits)
+        once(edits)
     }
 
     /// Gives values to the key at the frame on show, or sets one there.
@@ -236,13 +269,12 @@ impl Tree {
             Some(FieldKind::Whole { .. } | FieldKind::Wholes(_) | FieldKind::ChoiceAndWhole(_)) => "step ",
             _ => "",
         };
-        let wrapped = |numbers: &str| format!("keys {mode}{{ {}: {numbers} }}", self.time_text(self.now()));
         let Some(item) = item else {
             let value = value.cloned().unwrap_or_else(|| self.start(node, key));
             if value.word.is_some() || value.numbers.is_empty() {
                 return Err(EditRefused::new("only numbers can have keys"));
             }
-            return self.insert_text(node, key, &wrapped(&value.text()));
+            return self.insert_text(node, key, &self.keys_text(mode, &value.text()));
         };
         let numbers: Vec<(f64, Range<usize>)> = item.numbers().map(|(n, span)| (n, span.range())).collect();
         let new =
@@ -251,7 +283,7 @@ impl Tree {
             return Err(EditRefused::new("keys have as many numbers as the value"));
         }
         let file = self.range(item).0;
-        let block_at = |range: &Range<usize>| blocks.iter().find(|block| block.row.span.1 == *range);
+        let block_at = |range: &Range<usize>| blocks.iter().find(|(number, _)| number == range);
         let mut edits = Vec::new();
         let mut at = 0;
         // Numbers of one block of keys, or numbers that stand side by side without any.
@@ -262,15 +294,33 @@ impl Tree {
             let new = &new[at..at + run.len()];
             at += run.len();
             match block_at(&run[0].1) {
-                Some(block) => edits.extend(self.set_key(block, new)?),
-                None => {
-                    let range = run[0].1.start..run[run.len() - 1].1.end;
-                    let numbers = self.with_numbers(file, run, new)?;
-                    edits.push(TextEdit { file, range, new: wrapped(&numbers) });
-                }
+                Some((_, block)) => edits.extend(self.set_key(block, new)?),
+                None => edits.push(self.first_key(file, run, new, mode)?),
             }
         }
-        Ok(edits)
+        once(edits)
+    }
+
+    /// Keys with one at the frame on show.
+    fn keys_text(&self, mode: &str, numbers: &str) -> String {
+        format!("keys {mode}{{ {}: {numbers} }}", self.time_text(self.now()))
+    }
+
+    /// Puts keys in the place of numbers that stand side by side.
+    fn first_key(
+        &self,
+        file: FileId,
+        run: &[(f64, Range<usize>)],
+        new: &[f64],
+        mode: &str,
+    ) -> Result<TextEdit, EditRefused> {
+        let text = self.text(file);
+        if let Some((_, timed)) = run.iter().find(|(_, range)| self.is_timed(&text[range.clone()])) {
+            return Err(written_so(&text[timed.clone()]));
+        }
+        let range = run[0].1.start..run[run.len() - 1].1.end;
+        let numbers = self.with_numbers(file, run, new)?;
+        Ok(TextEdit { file, range, new: self.keys_text(mode, &numbers) })
     }
 
     /// The text of numbers that stand side by side, with other values where these differ.
@@ -458,7 +508,7 @@ impl Tree {
         let written = &self.text(file)[range.clone()];
         match written.parse::<f64>() {
             Ok(_) => Ok(()),
-            Err(_) => Err(EditRefused::new(format!("it is written as `{written}`: change that in the text"))),
+            Err(_) => Err(written_so(written)),
         }
     }
 
@@ -496,6 +546,30 @@ fn by_owner(keys: &[(KeyOwner, usize)]) -> Vec<(&KeyOwner, Vec<usize>)> {
         }
     }
     all
+}
+
+fn written_so(text: &str) -> EditRefused {
+    EditRefused::new(format!("it is written as `{text}`: change that in the text"))
+}
+
+/// Edits of which some may be one, for a name that stands several times.
+///
+/// # Errors
+/// When one key would have to be two.
+fn once(edits: Vec<TextEdit>) -> Result<Vec<TextEdit>, EditRefused> {
+    let mut all: Vec<TextEdit> = Vec::with_capacity(edits.len());
+    for edit in edits {
+        match all.iter().find(|other| other.file == edit.file && other.range == edit.range) {
+            Some(other) if other.new == edit.new => {}
+            Some(_) => {
+                return Err(EditRefused::new(
+                    "one value with keys stands for several numbers, which would differ",
+                ));
+            }
+            None => all.push(edit),
+        }
+    }
+    Ok(all)
 }
 
 /// In the precision of scenes.

@@ -147,6 +147,29 @@ fn to_set_a_value_with_keys_sets_the_key_at_the_frame() {
 }
 
 #[test]
+fn keys_of_a_named_value_are_set_where_it_is_written() {
+    let keyed = "center 0 k k  radius k";
+    let (mut document, id) = ball(keyed, 6);
+    let with =
+        |keys: &str| scene(keyed).replace("k = keys { 0: 1  1: 2 }", &format!("k = keys {{ {keys} }}"));
+    assert_eq!(document.keying(id, "radius", 0), Keying::Keyed { at_frame: false });
+    done(&mut document, &Edit::set(id, "radius", FieldValue::numbers([3.0]))).unwrap();
+    assert_eq!(document.text(), with("0: 1  0.5: 3  1: 2"));
+    assert_eq!(document.keying(id, "radius", 0), Keying::Keyed { at_frame: true });
+    assert_eq!(document.keys_here(id, "radius", 0)[0].1, 1);
+    done(&mut document, &Edit::set(id, "center", FieldValue::numbers([0.0, 4.0, 4.0]))).unwrap();
+    assert_eq!(document.text(), with("0: 1  0.5: 4  1: 2"));
+    let refused = document.apply(&Edit::set(id, "center", FieldValue::numbers([0.0, 5.0, 6.0]))).unwrap_err();
+    assert_eq!(refused.to_string(), "one value with keys stands for several numbers, which would differ");
+    document.show_frame(11);
+    let edit = Edit::SetKey { node: id, key: "center".into(), nth: None, value: None };
+    let all = done(&mut document, &edit).unwrap();
+    assert_eq!(all, "center keys { 1: 0 } k k  radius k");
+    let here = document.keys_here(id, "center", 0);
+    assert_eq!(here.iter().map(|(_, index)| *index).collect::<Vec<_>>(), [0, 2, 2]);
+}
+
+#[test]
 fn keys_that_go_on_are_set_in_their_first_run() {
     let keyed = "center 0 0 0  radius keys loop { 0: 1  1: 2 }";
     assert_eq!(set(keyed, 11, "radius", &[3.0]), Ok(keyed.replace("0: 1", "0: 3")), "the last is never seen");
@@ -165,6 +188,7 @@ fn what_is_computed_is_refused() {
     assert_eq!(why("center 0 0 0  radius 1 + time", "radius"), written("1 + time"));
     assert_eq!(why("center 0 t 0  radius 1", "center"), written("t"));
     assert_eq!(why("center 0 (2 * k) 0  radius 1", "center"), written("(2 * k)"));
+    assert_eq!(why("center keys { 0: 1  1: 2 } 0 t  radius 1", "center"), written("t"));
     let (document, _) = ball("center 0 0 0  radius 1", 1);
     let node = |word: &str| document.outline().nodes().iter().find(|node| &*node.keyword == word).unwrap().id;
     let fixed = |word: &str, key: &str| match document.keying(node(word), key, 0) {

@@ -63,17 +63,15 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let names = (0.25 * ui.available_width()).clamp(70.0, 200.0);
     let scale = Scale::new(ui, names, studio, &timing);
     ruler(ui, &scale, actions);
-    let height = ui.available_height();
-    ScrollArea::vertical().id_salt("keys").auto_shrink(false).max_height(height).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 0.0;
-        let rows = studio.time_line.rows();
-        if rows.is_empty() {
-            let words = "No value of this scene has keys yet.";
-            ui.label(RichText::new(words).color(theme::quiet(ui)));
-        }
-        for row in rows {
-            row_of_keys(ui, &scale, studio, row, actions);
-        }
+    let rows = studio.time_line.rows();
+    if rows.is_empty() {
+        ui.label(RichText::new("No value of this scene has keys yet.").color(theme::quiet(ui)));
+        return;
+    }
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let area = ScrollArea::vertical().id_salt("keys").auto_shrink(false).max_height(ui.available_height());
+    area.show_rows(ui, ROW, rows.len(), |ui, shown| {
+        rows[shown].iter().for_each(|row| row_of_keys(ui, &scale, studio, row, actions));
     });
 }
 
@@ -313,9 +311,6 @@ fn tick_step(points: f32) -> i64 {
 /// The name of a value, and a mark for each of its keys.
 fn row_of_keys(ui: &mut Ui, scale: &Scale, studio: &Studio, row: &KeyRow, actions: &mut Vec<Action>) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    if !ui.is_rect_visible(rect) {
-        return;
-    }
     let id = ui.scope_id().with(&row.owner);
     let node = row.owner.node();
     let is_chosen = node.is_some_and(|node| studio.selection.has(node));

@@ -1,6 +1,6 @@
 //! What is done to keys.
 
-use kajo_edit::{Edit, Interpolation, KeyOwner, KeyRow, Keying, NodeId, Outside};
+use kajo_edit::{Edit, Interpolation, KeyOwner, Keying, NodeId, Outside};
 
 use super::chosen_keys::{KeyDrag, is_same_frame};
 use super::{Action, Studio};
@@ -76,14 +76,10 @@ impl Studio {
 
     fn toggle_key(&mut self, node: NodeId, key: String, nth: usize) {
         let Some(document) = &self.document else { return };
-        let frame = document.timing().frame;
         match document.keying(node, &key, nth) {
             Keying::Fixed(why) => self.say(&format!("{key} gets no key: {why}."), true),
             Keying::Keyed { at_frame: true } => {
-                let is_of = |row: &&KeyRow| matches!(&row.owner, KeyOwner::Field { node: n, key: k, nth: i, .. } if (*n, k, *i) == (node, &key, nth));
-                let rows = self.time_line.rows().iter().filter(is_of);
-                let here = |row: &KeyRow| Some((row.owner.clone(), row.key_at(row.within(frame as f64))?));
-                let keys: Vec<_> = rows.filter_map(here).collect();
+                let keys = document.keys_here(node, &key, nth);
                 self.edit_and_say(&Edit::DeleteKeys(keys));
             }
             Keying::Still | Keying::Keyed { at_frame: false } => {
