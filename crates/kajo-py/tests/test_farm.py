@@ -405,7 +405,10 @@ class _Client:
 def test_a_result_that_died_with_its_worker_is_rendered_again(tmp_path):
     (tmp_path / "bundle").write_bytes(b"bundle")
     (orders, give), (take, news) = os.pipe(), os.pipe()
-    with open(orders, "rb") as orders, open(give, "wb") as give, open(take, "rb") as take, open(news, "wb") as news:
+    # What is read is not buffered: `select` would not see what a buffer holds.
+    with contextlib.ExitStack() as files:
+        orders, take = (files.enter_context(open(end, "rb", buffering=0)) for end in (orders, take))
+        give, news = (files.enter_context(open(end, "wb")) for end in (give, news))
         engine = threading.Thread(target=_engine.Engine(_Client(), orders, news).run, daemon=True)
         engine.start()
 
