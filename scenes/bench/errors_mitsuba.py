@@ -60,6 +60,29 @@ TWO_EMITTERS = [
 ]
 
 
+def rough_metal(name, alpha, color=1.0):
+    return {"type": "roughconductor", "material": name, "distribution": "ggx", "alpha": alpha} | (
+        {"specular_reflectance": rgb(color)} if color != 1.0 else {}
+    )
+
+
+def glossy_metals():
+    wall = diffuse(0.6, 0.6, 0.6)
+    gold, copper = rough_metal("Au", 0.0625), rough_metal("Cu", 0.16)
+    return [
+        quad((-5, 0, 5), (10, 0, 0), (0, 0, -10), rough_metal("none", 0.25, 0.6)),
+        sphere([-0.5, 0.8, 0], 0.8, gold),
+        sphere([1, 0.4, 0.9], 0.4, copper),
+        sphere([1.3, 0.6, -1], 0.6, copper),
+        quad((-3, 0, 6), (0, 4, 0), (0, 0, -9), wall),
+        quad((3, 0, -3), (0, 4, 0), (0, 0, 9), wall),
+        quad((-3, 0, 6), (6, 0, 0), (0, 4, 0), wall),
+        quad((-3, 4, -3), (6, 0, 0), (0, 0, 9), wall),
+        quad((-3, 0, -3), (6, 0, 0), (0, 4, 0), wall),
+        EMITTER,
+    ]
+
+
 def sky(radiance):
     return {"type": "constant", "radiance": rgb(radiance)}
 
@@ -85,6 +108,7 @@ def scenes():
     things = [FLOOR, *BALLS]
     return {
         "constant_sky": [*things, sky(0.5)],
+        "glossy_metals": glossy_metals(),
         "dim_sky": [*things, EMITTER, sky(0.001)],
         "sky_and_rectangle": [*things, EMITTER, sky(0.3)],
         "soft_slide": [*things, slide("soft.pfm", 4, (-1, 1.9, 1), (0, 0, -2), (2, 0, 0))],

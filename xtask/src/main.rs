@@ -2,6 +2,7 @@
 
 mod cycles;
 mod environment;
+mod errors;
 mod floors;
 mod instructions;
 mod lengths;
@@ -26,7 +27,8 @@ Usage: cargo xtask <TASK>
   check            the quick part of it: format, lints, floors, words
   floors           only the floors: who may import whom, that no files need each other, and that no function is long
   words            only the words and names that no file may hold
-  deep             all tests with fast code, the slow ones in full, instructions, and the wheel
+  deep             all tests with fast code, the slow ones in full, instructions, squared errors, and the wheel
+  errors           squared errors of path tracing beside known ones; with --bless keeps the figures
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
   instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
@@ -53,6 +55,8 @@ fn main() -> ExitCode {
         },
         ["instructions"] => instructions::check(&root, &mut report, false),
         ["instructions", "--bless"] => instructions::check(&root, &mut report, true),
+        ["errors"] => errors::check(&root, &mut report, false),
+        ["errors", "--bless"] => errors::check(&root, &mut report, true),
         ["mutants"] => mutants::check(&root, &mut report),
         ["tables"] => tables(&root, &mut report),
         ["wheel"] => wheel::build(&root, &mut report),
@@ -121,6 +125,7 @@ fn deep(root: &Path, report: &mut Report) {
     // What takes long runs in full where this is set.
     report.run("all tests with fast code, in full", tests.env("KAJO_DEEP", "1"));
     instructions::check(root, report, false);
+    errors::check(root, report, false);
     wheel::build(root, report);
 }
 

@@ -214,6 +214,12 @@ impl SphericalCap {
         TAU * self.one_minus_cos
     }
 
+    /// Whether a unit direction is within the cap.
+    pub fn contains(&self, d: DVec3) -> bool {
+        // 1 - cos is half the squared distance of the unit vectors, without cancellation.
+        0.5 * d.distance_squared(self.axis) <= self.one_minus_cos
+    }
+
     /// A unit direction uniform over the cap, from `u` in [0, 1)^2.
     pub fn sample(&self, u: Vec2) -> DVec3 {
         let drop = f64::from(u.x) * self.one_minus_cos;

@@ -25,7 +25,7 @@ const WORTH_BY_AREA: f64 = 1e-3;
 /// The same of a patch that is drawn by solid angle: two ways to draw points are less evenly spread than one. Measured.
 const WORTH_BY_SOLID_ANGLE: f64 = 0.4;
 
-/// The same of a sphere. The half of it that faces away is drawn in vain, and a direction counts by its cosine: together
+/// The same of a sphere, and of what else is drawn through its silhouette. The half of it that faces away is drawn in vain, and a direction counts by its cosine: together
 /// that is a relative variance of 5/3, where directions into its cap are even.
 const WORTH_ON_SPHERE: f64 = 5.0 / 3.0;
 
@@ -48,6 +48,7 @@ impl EmissionDensity {
         let (n, sum, squares) = (luminance.len() as f64, sum(|v| v), sum(|v| v * v));
         let variance = squares * n / (sum * sum) - 1.0;
         let worth = match patch {
+            Patch::Curved(curved) if curved.has_silhouette() => WORTH_ON_SPHERE,
             Patch::Disk(_) | Patch::Curved(_) => WORTH_BY_AREA,
             Patch::Triangle(_) | Patch::Rectangle(_) | Patch::Quad(_) => WORTH_BY_SOLID_ANGLE,
             Patch::Sphere { .. } => WORTH_ON_SPHERE,

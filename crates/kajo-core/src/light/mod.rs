@@ -11,6 +11,8 @@
 
 mod area;
 mod bounding_sphere;
+mod bounds;
+mod cluster;
 mod directional;
 mod emission_density;
 mod groups;
@@ -27,6 +29,7 @@ mod tree;
 pub use crate::ids::MAX_LIGHT_GROUPS;
 pub use area::{AreaLight, PatchExtent, Sides};
 pub use bounding_sphere::BoundingSphere;
+pub use bounds::LightBounds;
 pub use directional::DirectionalLight;
 pub use emission_density::EmissionDensity;
 pub(crate) use groups::OTHER;
@@ -40,7 +43,7 @@ pub use sample::{
 pub use sampler::LightSampler;
 pub use sky::SkyLight;
 pub use spot::{SpotCone, SpotLight};
-pub use tree::{LightBounds, LightChoice, LightTree};
+pub use tree::{LightChoice, LightTree};
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};

@@ -1,42 +1,16 @@
 //! The choice of one light among many that have a position.
 //!
-//! A binary tree over the lights; a walk from the root goes to each child with a probability proportional to a bound on what it
-//! can send to the receiver,
-//!
-//! ```text
-//! I = power cos(max(0, a - spread - b)) cos(max(0, i - b)) / d^2
-//! ```
-//!
-//! with `d` the distance to the centre of the child's box, `b` the angle its box fills, `a` the angle
-//! between the cone of its axes and the way to the receiver, `i` the receiver's own angle. What cannot send
-//! anything is never chosen [Conty Estévez and Kulla 2018]; the layout and the cost of a split follow
+//! A binary tree over the lights; a walk from the root goes to each child with a probability proportional to an estimate of what it
+//! sends to the receiver: see `cluster.rs`. The layout and the cost of a split follow [Conty Estévez and Kulla 2018] and
 //! [Pharr et al. 2023, 12.6]. Lights infinitely far away stand beside the tree: see `infinite.rs`.
 
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::f32::consts::PI;
 
-use kajo_math::{Aabb, Vec3, fmath};
+use kajo_math::Aabb;
 
-use super::{Receiver, SampledLight};
+use super::cluster::{LightCluster, LightMoments};
+use super::{LightBounds, Receiver, SampledLight};
 use crate::ids::LightIndex;
-
-/// Where a light or a group of them is, where it shines and how strong it is.
-#[derive(Clone, Copy, Debug)]
-pub struct LightBounds {
-    /// A box around the positions that light comes from.
-    pub bounds: Aabb,
-    /// The middle of the axes around which light leaves.
-    pub axis: Vec3,
-    /// Cosine of the largest angle between `axis` and the axes.
-    pub cos_spread: f32,
-    /// Cosine of the largest angle between a position's own axis and the light that leaves it.
-    pub cos_reach: f32,
-    /// Whether light leaves against the axes as well.
-    pub two_sided: bool,
-    /// Power; of light that leaves into a narrow cone, that of a light as bright in all directions, since the cone is in the angles.
-    pub power: f32,
-    /// Whether its light falls off by the square of the distance, as is taken for granted of all.
-    pub is_inverse_square: bool,
-}
 
 /// How a light is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,11 +35,13 @@ pub struct LightTree {
     nodes: Vec<Node>,
     /// For each light of the scene the turns from the root to its leaf, first turn in bit 0.
     trails: Vec<u64>,
+    /// Whether all lights fall off by the square of the distance.
+    is_inverse_square: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    bounds: LightBounds,
+    cluster: LightCluster,
     content: NodeContent,
 }
 
@@ -85,14 +61,6 @@ struct PlacedLight {
     bounds: LightBounds,
 }
 
-/// The directions around an axis.
-#[derive(Clone, Copy, Debug)]
-struct DirectionCone {
-    axis: Vec3,
-    /// Cosine of the largest angle between the axis and a direction.
-    cos_spread: f32,
-}
-
 /// More turns than a tree of 2^32 balanced lights has; deeper branches are split in halves from here on.
 const DEEPEST_BY_COST: u32 = 30;
 
@@ -106,13 +74,14 @@ impl LightTree {
     ///
     /// Nor are lights that give none.
     pub fn build(lights: &[Option<LightBounds>]) -> LightTree {
-        let mut tree = LightTree { trails: vec![NEVER; lights.len()], nodes: Vec::new() };
+        let mut tree = LightTree { trails: vec![NEVER; lights.len()], ..LightTree::default() };
         let is_light = |bounds: &LightBounds| bounds.power > 0.0 && bounds.bounds.is_finite();
         let placed = LightIndex::all(lights.len()).zip(lights);
         let placed = placed.filter_map(|(light, bounds)| {
             bounds.filter(is_light).map(|bounds| PlacedLight { light, bounds })
         });
         let mut placed: Vec<_> = placed.collect();
+        tree.is_inverse_square = placed.iter().all(|light| light.bounds.is_inverse_square);
         tree.add(&mut placed, 0, 0);
         tree
     }
@@ -136,12 +105,12 @@ impl LightTree {
     #[inline]
     pub(super) fn first_step(&self, to: &Receiver) -> FirstStep {
         let Some(root) = self.nodes.first() else { return FirstStep::NONE };
-        let importance = |at: usize| self.nodes[at].bounds.importance(to.p, to.n);
+        let importance = |at: usize| self.nodes[at].cluster.importance(to.p, to.n);
         let importances = match root.content {
             NodeContent::Leaf(_) => [importance(0), 0.0],
             NodeContent::Inner { second } => [importance(1), importance(second as usize)],
         };
-        FirstStep { importances, is_inverse_square: root.bounds.is_inverse_square }
+        FirstStep { importances, is_inverse_square: self.is_inverse_square }
     }
 
     /// Chooses a light for a receiver; `None` when none can reach it.
@@ -199,21 +168,22 @@ impl LightTree {
     #[inline]
     fn share_of_first(&self, at: usize, to: &Receiver) -> Option<f32> {
         let NodeContent::Inner { second } = self.nodes[at].content else { return None };
-        let importances = [at + 1, second as usize].map(|at| self.nodes[at].bounds.importance(to.p, to.n));
+        let importances = [at + 1, second as usize].map(|at| self.nodes[at].cluster.importance(to.p, to.n));
         share_of_first(importances)
     }
 
     /// Adds the subtree over some lights.
     fn add(&mut self, lights: &mut [PlacedLight], trail: u64, depth: u32) {
-        let bounds = lights.iter().map(|light| light.bounds).reduce(LightBounds::union);
-        let Some(bounds) = bounds else { return };
-        let at = self.nodes.len();
+        let each = lights.iter().map(|light| (light.bounds, LightMoments::of(&light.bounds)));
+        let sum = each.reduce(|(bounds, moments), other| (bounds.union(other.0), moments.union(other.1)));
+        let Some((bounds, moments)) = sum else { return };
+        let (at, cluster) = (self.nodes.len(), LightCluster::new(&bounds, &moments));
         if let [PlacedLight { light, .. }] = *lights {
             self.trails[light.index()] = trail;
-            self.nodes.push(Node { bounds, content: NodeContent::Leaf(light) });
+            self.nodes.push(Node { cluster, content: NodeContent::Leaf(light) });
             return;
         }
-        self.nodes.push(Node { bounds, content: NodeContent::Inner { second: 0 } });
+        self.nodes.push(Node { cluster, content: NodeContent::Inner { second: 0 } });
         let middle = part(lights, &bounds, depth);
         let (first, second) = lights.split_at_mut(middle);
         self.add(first, trail, depth + 1);
@@ -302,117 +272,10 @@ fn cheapest_split(
         .min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-impl LightBounds {
-    /// Bounds around both.
-    fn union(self, other: LightBounds) -> LightBounds {
-        let DirectionCone { axis, cos_spread } = self.cone().union(other.cone());
-        LightBounds {
-            bounds: self.bounds.union(other.bounds),
-            axis,
-            cos_spread,
-            cos_reach: self.cos_reach.min(other.cos_reach),
-            two_sided: self.two_sided || other.two_sided,
-            power: self.power + other.power,
-            is_inverse_square: self.is_inverse_square && other.is_inverse_square,
-        }
-    }
-
-    fn cone(&self) -> DirectionCone {
-        DirectionCone { axis: self.axis, cos_spread: self.cos_spread }
-    }
-
-    /// The solid angle that light fills, weighted by the cosine at its edges, times power and area.
-    fn cost(&self) -> f32 {
-        let spread = fmath::acos(self.cos_spread.clamp(-1.0, 1.0));
-        let reach = fmath::acos(self.cos_reach.clamp(-1.0, 1.0));
-        let (sin, cos) = fmath::sin_cos(spread);
-        let w = (spread + reach).min(PI);
-        let solid_angle = TAU * (1.0 - cos)
-            + FRAC_PI_2 * (2.0 * w * sin - fmath::cos(spread - 2.0 * w) - 2.0 * spread * sin + cos);
-        self.power * solid_angle * self.bounds.half_area().max(f32::MIN_POSITIVE)
-    }
-
-    /// A bound on what arrives at a receiver, up to a common factor.
-    #[inline]
-    fn importance(&self, p: Vec3, n: Vec3) -> f32 {
-        let to_receiver = p - self.bounds.center();
-        let radius2 = 0.25 * self.bounds.extent().length_squared();
-        let distance2 = to_receiver.length_squared();
-        let inside = distance2 <= radius2;
-        let w = to_receiver * (1.0 / distance2.sqrt().max(f32::MIN_POSITIVE));
-        // The angle that the box fills.
-        let (sin_b, cos_b) = if inside {
-            (0.0, -1.0)
-        } else {
-            let sin2 = radius2 / distance2;
-            (sin2.sqrt(), (1.0 - sin2).max(0.0).sqrt())
-        };
-        let cos_w = if self.two_sided { self.axis.dot(w).abs() } else { self.axis.dot(w) };
-        let sin_w = sine(cos_w);
-        let sin_spread = sine(self.cos_spread);
-        let cos_x = cos_of_rest(sin_w, cos_w, sin_spread, self.cos_spread);
-        let sin_x = sin_of_rest(sin_w, cos_w, sin_spread, self.cos_spread);
-        let cos_leaving = cos_of_rest(sin_x, cos_x, sin_b, cos_b);
-        // A hair of tolerance: a light must not be ruled out by rounding.
-        if cos_leaving < self.cos_reach - 1e-4 {
-            return 0.0;
-        }
-        let mut importance =
-            self.power * cos_leaving.max(1e-4) / distance2.max(radius2).max(f32::MIN_POSITIVE);
-        if n != Vec3::ZERO {
-            let cos_i = w.dot(n).abs().min(1.0);
-            importance *= cos_of_rest(sine(cos_i), cos_i, sin_b, cos_b).max(1e-4);
-        }
-        importance
-    }
-}
-
-#[inline]
-fn sine(cos: f32) -> f32 {
-    (1.0 - cos * cos).max(0.0).sqrt()
-}
-
-/// `cos(max(0, a - b))`.
-#[inline]
-fn cos_of_rest(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
-    if cos_a > cos_b { 1.0 } else { cos_a * cos_b + sin_a * sin_b }
-}
-
-/// `sin(max(0, a - b))`.
-#[inline]
-fn sin_of_rest(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
-    if cos_a > cos_b { 0.0 } else { sin_a * cos_b - cos_a * sin_b }
-}
-
-impl DirectionCone {
-    /// A cone around both.
-    fn union(self, other: DirectionCone) -> DirectionCone {
-        let (a, b) = (self.axis, other.axis);
-        let angle = |cos: f32| fmath::acos(cos.clamp(-1.0, 1.0));
-        let (spread_a, spread_b) = (angle(self.cos_spread), angle(other.cos_spread));
-        let between = angle(a.dot(b));
-        if (between + spread_b).min(PI) <= spread_a {
-            return self;
-        }
-        if (between + spread_a).min(PI) <= spread_b {
-            return other;
-        }
-        let spread = 0.5 * (spread_a + between + spread_b);
-        let turn_around = a.cross(b).normalize_or_zero();
-        if spread >= PI || turn_around == Vec3::ZERO {
-            return DirectionCone { axis: a, cos_spread: -1.0 };
-        }
-        // Turn the first axis towards the second until both cones fit.
-        let (sin, cos) = fmath::sin_cos(spread - spread_a);
-        let axis = (cos * a + sin * turn_around.cross(a)).normalize_or(a);
-        DirectionCone { axis, cos_spread: fmath::cos(spread) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kajo_math::{Vec2, rng::Stream, warp};
+    use kajo_math::{Vec2, Vec3, rng::Stream, warp};
 
     /// Lights of different strength and direction in a box.
     fn lights(n: u32) -> Vec<Option<LightBounds>> {

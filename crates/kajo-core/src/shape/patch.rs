@@ -1,8 +1,8 @@
 //! Emissive patches of surface in world space, and how a point samples a position on them.
 //!
 //! Flat patches and spheres are drawn uniformly over the solid angle they fill, so that the estimate of
-//! unobstructed light has no variance but the cosine's; ellipses, cones and what is seen too small or from too
-//! near are drawn uniformly over the area, and what has no closed form is met by rays. Every density given out is per solid angle at the receiver,
+//! unobstructed light has no variance but the cosine's; ellipsoids, cylinders and cones are drawn through their silhouettes; ellipses, tori
+//! and what is seen too small or from too near are drawn uniformly over the area, and what has no closed form is met by rays. Every density given out is per solid angle at the receiver,
 //!
 //! ```text
 //! p = p_area d^2 / |n . w|,
@@ -12,9 +12,12 @@
 //! one truth about the density, on the light itself and inside it too.
 
 mod coordinates;
+mod cover;
 mod moved;
+mod silhouette;
 mod traced;
 
+pub use cover::CoverSegment;
 pub use moved::PlacedPatch;
 pub use traced::{PlacedTraced, TracedPatch};
 
@@ -106,6 +109,8 @@ pub struct CurvedPatch {
     pub(super) map: DAffine3,
     pub(super) inverse: DAffine3,
     area: f64,
+    /// Whether it is drawn by area even where a silhouette would do.
+    by_area: bool,
 }
 
 /// A position on a patch, drawn for a receiver.
@@ -164,7 +169,10 @@ impl Patch {
                     Patch::curved(Canonical::Sphere, *m * placed)?
                 }
             },
-            Patch::Curved(curved) => Patch::curved(curved.surface, *m * curved.map)?,
+            Patch::Curved(curved) => {
+                let image = Patch::curved(curved.surface, *m * curved.map)?;
+                if curved.by_area { image.by_area()? } else { image }
+            }
             Patch::Traced(traced) => Patch::Traced(Box::new(traced.mapped(m)?)),
         })
     }
@@ -175,8 +183,9 @@ impl Patch {
         match self {
             Patch::Sphere { center, radius } => {
                 let placed = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
-                Patch::curved(Canonical::Sphere, placed)
+                Patch::curved(Canonical::Sphere, placed)?.by_area()
             }
+            Patch::Curved(curved) => Some(Patch::Curved(Box::new(CurvedPatch { by_area: true, ..*curved }))),
             Patch::Traced(traced) => Some(Patch::Traced(Box::new(traced.all_alike()))),
             _ => Some(self),
         }
@@ -185,7 +194,7 @@ impl Patch {
     /// The image of a canonical surface; `None` when the map has no inverse.
     pub fn curved(surface: Canonical, map: DAffine3) -> Option<Patch> {
         let inverse = map.inverse();
-        let mut patch = CurvedPatch { surface, map, inverse, area: 0.0 };
+        let mut patch = CurvedPatch { surface, map, inverse, area: 0.0, by_area: false };
         patch.area = patch.measured_area();
         let usable = inverse.is_finite() && patch.area.is_finite() && patch.area > 0.0;
         usable.then(|| Patch::Curved(Box::new(patch)))
@@ -248,6 +257,7 @@ impl Patch {
         }
         match self {
             Patch::Traced(traced) => traced.placed(None).sample(from, u),
+            Patch::Curved(curved) => curved.sample(from, u),
             _ => self.sample_area(u)?.seen_from(from),
         }
     }
@@ -261,6 +271,7 @@ impl Patch {
             Some(view) => (1.0 / view.solid_angle()) as f32,
             None => match self {
                 Patch::Traced(traced) => traced.placed(None).pdf(from, p),
+                Patch::Curved(curved) => curved.pdf(from, p, n),
                 _ => per_solid_angle(self.pdf_area(p), from, p, n).unwrap_or(0.0),
             },
         }
@@ -324,7 +335,11 @@ impl Patch {
     /// Whether [`Patch::sample`] draws positions by area for the receiver `from`, as far as can be told by its distance.
     #[inline]
     pub fn is_drawn_by_area(&self, from: Vec3) -> bool {
-        matches!(self, Patch::Disk(_) | Patch::Curved(_)) || self.is_far_from(from.as_dvec3())
+        match self {
+            Patch::Disk(_) => true,
+            Patch::Curved(curved) => !curved.has_silhouette(),
+            _ => self.is_far_from(from.as_dvec3()),
+        }
     }
 
     /// Whether a flat patch is seen as if from infinitely far.

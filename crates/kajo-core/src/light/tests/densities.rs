@@ -4,7 +4,7 @@ use kajo_testkit::sphere;
 
 use super::*;
 
-const TESTS: u32 = 17;
+const TESTS: u32 = 31;
 
 /// A surface before its map: unit triangle, unit square, ring, unit sphere, side of a cone, torus around the unit circle.
 #[derive(Clone, Copy, Debug)]
@@ -179,6 +179,62 @@ fn ellipsoids_and_cones() {
         false,
     );
     check(Simple::Frustum([0.5, 0.5]), DAffine3::IDENTITY, Vec3::new(0.0, 0.2, 0.7), false);
+}
+
+/// From outside they are drawn through their silhouettes: beside them, beyond both ends, near and far, cut off at an apex.
+#[test]
+fn silhouettes() {
+    let out = |x: f64, y: f64, z: f64| skewed().transform_point3(DVec3::new(x, y, z)).as_vec3();
+    check(Simple::Sphere, skewed(), FAR, false);
+    check(Simple::Sphere, skewed(), out(0.9, 0.6, 0.1), false);
+    let cylinder = Simple::Frustum([0.5, 0.5]);
+    check(cylinder, DAffine3::IDENTITY, Vec3::new(0.8, 0.1, 0.4), false);
+    check(cylinder, DAffine3::IDENTITY, Vec3::new(-0.5, 0.7, 1.6), false);
+    check(cylinder, DAffine3::IDENTITY, 3.0 * FAR, false);
+    check(cylinder, skewed(), out(0.3, -0.9, -0.5), false);
+    for radii in [[1.0, 0.4], [0.3, 1.2], [1.0, 0.0]] {
+        check(Simple::Frustum(radii), skewed(), out(2.0, 0.5, 0.4), false);
+        check(Simple::Frustum(radii), DAffine3::IDENTITY, Vec3::new(-1.5, 1.0, 1.5), false);
+    }
+    check(Simple::Frustum([0.8, 0.0]), DAffine3::IDENTITY, Vec3::new(0.9, 0.1, -1.0), false);
+    check(Simple::Frustum([0.8, 0.0]), skewed(), out(0.1, 0.1, 2.5), false);
+}
+
+/// All that can be seen is drawn: estimates of what the outer side sends have the mean that drawing by area has, and less variance.
+#[test]
+fn silhouettes_cover_what_is_seen() {
+    for (simple, from) in [
+        (Simple::Sphere, Vec3::new(1.5, 0.3, 1.0)),
+        (Simple::Frustum([0.5, 0.5]), Vec3::new(1.0, 0.3, 1.8)),
+        (Simple::Frustum([0.5, 0.5]), Vec3::new(0.2, 0.9, 0.5)),
+        (Simple::Frustum([0.9, 0.2]), Vec3::new(1.6, 1.2, -0.3)),
+    ] {
+        let patch = match simple {
+            Simple::Sphere => Patch::curved(Canonical::Sphere, DAffine3::IDENTITY).unwrap(),
+            other => other.patch(&DAffine3::IDENTITY),
+        };
+        let moments = |patch: &Patch| {
+            const N: u32 = 100_000;
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for i in 0..N {
+                let Some(PatchWay { at, wi }) = patch.sample(from, draw(i)) else { continue };
+                let again = patch.pdf(from, at.p, at.n);
+                assert!((again / at.pdf - 1.0).abs() < 2e-3, "{simple:?}: {} {again}", at.pdf);
+                if at.n.dot(wi) > 0.0 {
+                    continue;
+                }
+                // Something that differs over the surface.
+                let e = f64::from((1.5 + at.p.z + 0.5 * wi.x) / at.pdf);
+                (sum, squares) = (sum + e, squares + e * e);
+            }
+            let n = f64::from(N);
+            (sum / n, (squares / n - (sum / n).powi(2)) / n)
+        };
+        let (through, by_area) = (moments(&patch), moments(&patch.clone().by_area().unwrap()));
+        let sigma = (through.1 + by_area.1).sqrt();
+        assert!((through.0 - by_area.0).abs() < 4.5 * sigma, "{simple:?}: {through:?} {by_area:?}");
+        assert!(through.1 < by_area.1, "{simple:?}: {through:?} {by_area:?}");
+    }
 }
 
 /// Every position of a patch has coordinates, also where the patch has moved to.

@@ -595,7 +595,12 @@ impl Surface for Curves {
             let own = parts.leaf_bounds(leaf);
             let (center, radius) = (own.center().as_dvec3(), 0.5 * own.extent().as_dvec3().length());
             if let Some(patch) = TracedPatch::new(self.clone(), i as u32) {
-                visit(i as u32, Patch::Traced(Box::new(patch.within(center, radius))));
+                let patch = patch.within(center, radius);
+                let patch = match leaf.kind {
+                    LeafKind::Side { .. } => patch.covered_by(&[self.0.span(leaf).cover()]),
+                    LeafKind::Corner => patch,
+                };
+                visit(i as u32, Patch::Traced(Box::new(patch)));
             }
         }
     }

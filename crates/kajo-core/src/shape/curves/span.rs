@@ -6,7 +6,7 @@
 use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec3, Vec3, roots};
 
-use super::super::Ray64;
+use super::super::{CoverSegment, Ray64};
 
 /// An end of a span.
 #[derive(Clone, Copy, Debug)]
@@ -141,6 +141,12 @@ impl CurveSpan {
 
     pub fn largest_radius(&self) -> f64 {
         self.hull().iter().fold(0.0, |most, (_, r)| f64::max(most, *r))
+    }
+
+    /// The chord, and how far the tube reaches from it.
+    pub fn cover(&self) -> CoverSegment {
+        let [a, b] = &self.ends;
+        CoverSegment::around([a.p, b.p], self.hull().into_iter().map(|(p, r)| (p, r.max(0.0))))
     }
 
     pub fn bounds(&self) -> Aabb {

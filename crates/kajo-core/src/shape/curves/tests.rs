@@ -345,3 +345,33 @@ fn a_segment_takes_few_bytes() {
     let each = curves.heap_bytes() / segments;
     assert!(each < 90, "{each} bytes a segment");
 }
+
+/// A span of a tube that gives light is drawn along its chord: no point that is seen is left out, since the mean of an estimate is that of a
+/// sphere around it.
+#[test]
+fn spans_give_light_along_their_chords() {
+    const N: u32 = 20_000;
+    let curves = Curves::new(&bent(), CurveBasis::CatmullRom, CurveForm::Tube).unwrap();
+    let mut patches = Vec::new();
+    curves.patches(|part, patch| patches.push((part, patch)));
+    assert!(patches.len() > 4, "{}", patches.len());
+    for (part, patch) in patches {
+        let single = Patch::Traced(Box::new(TracedPatch::new(curves.clone(), part).unwrap()));
+        let from = Vec3::new(0.3, 1.6, 1.5);
+        let moments = |patch: &Patch, n: u32| {
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for i in 0..n {
+                let s = Stream::new(41, [i, part], 0);
+                let Some(way) = patch.sample(from, Vec2::new(s.uniform(0), s.uniform(1))) else { continue };
+                let e = f64::from((2.5 + way.at.p.x) / way.at.pdf);
+                (sum, squares) = (sum + e, squares + e * e);
+            }
+            let (mean, mean2) = (sum / f64::from(n), squares / f64::from(n));
+            (mean, (mean2 - mean * mean) / f64::from(n))
+        };
+        let (along, around) = (moments(&patch, N), moments(&single, 4 * N));
+        let sigma = (along.1 + around.1).sqrt();
+        assert!((along.0 - around.0).abs() < 5.0 * sigma, "{part}: {along:?} {around:?}");
+        assert!(along.1 < 4.0 * around.1, "{part}: {along:?} {around:?}");
+    }
+}

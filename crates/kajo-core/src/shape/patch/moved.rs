@@ -1,16 +1,14 @@
 //! Patches that have moved since they were made, for lights that move: everything is drawn and measured on the
 //! image of the patch under a map, and nothing is allocated for it.
 
-use super::{
-    Canonical, CurvedPatch, Patch, PatchSample, PatchWay, PlacedTraced, per_solid_angle, scale_of_similarity,
-};
+use super::{Canonical, CurvedPatch, Patch, PatchSample, PatchWay, PlacedTraced, scale_of_similarity};
 use kajo_math::{DAffine3, DVec3, Vec2, Vec3};
 
 impl Patch {
     /// [`Patch::sample`] of the image of this patch under `m`; that of a sphere must be a sphere.
     pub fn sample_moved(&self, m: &DAffine3, from: Vec3, u: Vec2) -> Option<PatchWay> {
         match self {
-            Patch::Curved(curved) => curved.moved(m).sample_area(u)?.seen_from(from),
+            Patch::Curved(curved) => curved.moved(m).sample(from, u),
             Patch::Traced(traced) => traced.placed(Some(m)).sample(from, u),
             other => other.moved(m)?.sample(from, u),
         }
@@ -21,10 +19,7 @@ impl Patch {
     /// * `p`, `n`: the position and its unit geometric normal
     pub fn pdf_moved(&self, m: &DAffine3, from: Vec3, p: Vec3, n: Vec3) -> f32 {
         match self {
-            Patch::Curved(curved) => {
-                let pdf_area = curved.moved(m).pdf_area(p.as_dvec3()) as f32;
-                per_solid_angle(pdf_area, from, p, n).unwrap_or(0.0)
-            }
+            Patch::Curved(curved) => curved.moved(m).pdf(from, p, n),
             Patch::Traced(traced) => traced.placed(Some(m)).pdf(from, p),
             other => other.moved(m).map_or(0.0, |moved| moved.pdf(from, p, n)),
         }

@@ -8,6 +8,8 @@
 //! p = q_k / W            q_0 = 7/8, q_k = 1 / (8 (n - 1))            q_0 = 1 where n = 1
 //! ```
 //!
+//! Where a surface is long and thin most of such rays pass it by. So it may be known to lie along segments: see `cover.rs`.
+//!
 //! A ray that leaves begins with a line, uniform among those that meet the sphere of radius `R`: a direction, and a point of the
 //! disk across it. Of the `n` points where the line meets the surface each is chosen alike, and light goes along the line. Of the
 //! lines in `dw` those through an element `dA` of the surface have the density `|cos| dA dw / (4 pi . pi R^2)`, and each of two
@@ -31,6 +33,7 @@ use std::sync::{Arc, OnceLock};
 use kajo_math::solid_angle::{SPHERE, SphericalCap, basis64};
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Ray, Transform, Vec2, Vec3, fmath, rng, sobol};
 
+use super::cover::{self, CoverSegment, SegmentView};
 use super::{PatchSample, PatchWay, on_unit_sphere, scale_of_similarity};
 use crate::interaction::Hit;
 use crate::shape::{AnyShape, ShapeId, Shapes};
@@ -52,6 +55,8 @@ pub struct TracedPatch {
     /// Around the surface, in its own space.
     center: DVec3,
     radius: f64,
+    /// Segments that all of it lies along, where they are known.
+    cover: Option<Arc<[CoverSegment]>>,
     /// Whether all points of a ray are drawn alike: where the nearest one may not be there.
     alike: bool,
     area: OnceLock<f64>,
@@ -71,6 +76,9 @@ pub struct PlacedTraced<'a> {
     world_from_object: Transform,
     center: DVec3,
     radius: f64,
+    /// How much longer the map makes vectors at most.
+    stretch: f64,
+    map: DAffine3,
 }
 
 thread_local! {
@@ -92,6 +100,7 @@ impl TracedPatch {
             map: DAffine3::IDENTITY,
             center: bounds.center().as_dvec3(),
             radius: 0.5 * bounds.extent().as_dvec3().length(),
+            cover: None,
             alike: false,
             area: OnceLock::new(),
         })
@@ -100,6 +109,11 @@ impl TracedPatch {
     /// The same where all of it is known to lie in a smaller sphere.
     pub fn within(self, center: DVec3, radius: f64) -> TracedPatch {
         if radius < self.radius { TracedPatch { center, radius, ..self } } else { self }
+    }
+
+    /// The same where all of it is known to lie along some of these segments.
+    pub fn covered_by(self, segments: &[CoverSegment]) -> TracedPatch {
+        TracedPatch { cover: (!segments.is_empty()).then(|| Arc::from(segments)), ..self }
     }
 
     /// The same where a part of it may be missing, so that what is behind can be seen.
@@ -134,6 +148,8 @@ impl TracedPatch {
             world_from_object: Transform::of_invertible(&map),
             center: map.transform_point3(self.center),
             radius: stretch * self.radius,
+            stretch,
+            map,
         }
     }
 }
@@ -152,11 +168,7 @@ fn largest_stretch(m: &DMat3) -> f64 {
 impl PlacedTraced<'_> {
     /// See [`Patch::sample`].
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
-        let cap = self.cap(from);
-        let wi = match &cap {
-            Some(cap) => cap.sample(u),
-            None => on_unit_sphere(u.x.into(), u.y.into()),
-        };
+        let (wi, pdf_direction) = self.sample_direction(from, u)?;
         let wi = wi.as_vec3();
         let ray = Ray::new(from, wi).over(self.too_near(), f32::INFINITY);
         let (k, n, hit) = self.with_hits(&ray, |hits| {
@@ -164,7 +176,7 @@ impl PlacedTraced<'_> {
             Some((k, hits.len(), hits[k]))
         })?;
         let at = self.at(&ray, &hit);
-        let pdf = self.probability(k, n) / solid_angle(cap.as_ref());
+        let pdf = self.probability(k, n) * pdf_direction;
         Some(PatchWay { at: PatchSample { pdf, ..at }, wi: (at.p - from).normalize_or(wi) })
     }
 
@@ -174,13 +186,41 @@ impl PlacedTraced<'_> {
         if distance < self.too_near() {
             return 0.0;
         }
-        let ray = Ray::new(from, (p - from) / distance).over(self.too_near(), f32::INFINITY);
+        let wi = (p - from) / distance;
+        let ray = Ray::new(from, wi).over(self.too_near(), f32::INFINITY);
         let (k, n) = self.with_hits(&ray, |hits| {
             let off = |hit: &Hit| (hit.t - distance).abs();
             let nearest = (0..hits.len()).min_by(|&a, &b| off(&hits[a]).total_cmp(&off(&hits[b])));
             (nearest.unwrap_or(0), hits.len().max(1))
         });
-        self.probability(k, n) / solid_angle(self.cap(from).as_ref())
+        self.probability(k, n) * self.pdf_direction(from, wi.as_dvec3().normalize())
+    }
+
+    /// A unit direction from `from` into which the surface may be, and its density per solid angle.
+    fn sample_direction(&self, from: Vec3, u: Vec2) -> Option<(DVec3, f32)> {
+        if let Some(cover) = &self.patch.cover {
+            return cover::sample(self.views(cover, from), from, u);
+        }
+        let cap = self.cap(from);
+        let wi = cap.as_ref().map_or_else(|| on_unit_sphere(u.x.into(), u.y.into()), |cap| cap.sample(u));
+        Some((wi, 1.0 / solid_angle(cap.as_ref())))
+    }
+
+    /// Density per solid angle with which [`PlacedTraced::sample_direction`] draws the unit direction `wi` of a point of the surface.
+    fn pdf_direction(&self, from: Vec3, wi: DVec3) -> f32 {
+        match &self.patch.cover {
+            Some(cover) => cover::pdf(self.views(cover, from), from, wi),
+            None => 1.0 / solid_angle(self.cap(from).as_ref()),
+        }
+    }
+
+    /// The segments as a point sees them.
+    fn views<'a>(
+        &'a self,
+        cover: &'a [CoverSegment],
+        from: Vec3,
+    ) -> impl Iterator<Item = SegmentView> + Clone + 'a {
+        cover.iter().map(move |segment| segment.mapped(&self.map, self.stretch).seen_from(from.as_dvec3()))
     }
 
     /// A position drawn for nobody with a direction through it, the density of the position per area; see the head of the file.
@@ -290,7 +330,7 @@ fn solid_angle(cap: Option<&SphericalCap>) -> f32 {
 }
 
 /// Another uniform number in [0, 1), a hash of these.
-fn chance<const N: usize>(numbers: [f32; N]) -> f32 {
+pub(super) fn chance<const N: usize>(numbers: [f32; N]) -> f32 {
     let key = numbers.iter().fold(rng::Key::new(0), |key, u| key.part([u.to_bits(), 0]));
     let [bits, ..] = key.words([0, 0]);
     rng::unit(bits)

@@ -15,7 +15,8 @@ use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec3, DVec4, Ray, Vec2, Vec3, fmath};
 
 use super::{
-    Bezier, Patch, Path, Ray64, Surface, Tessellation, TracedPatch, in_range, nearest_crossing, stored,
+    Bezier, CoverSegment, Patch, Path, Ray64, Surface, Tessellation, TracedPatch, in_range, nearest_crossing,
+    stored,
 };
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
@@ -86,7 +87,38 @@ fn bounds_of(curve: &Bezier<DVec4>) -> Aabb {
     Aabb { min: min.as_vec3(), max: max.as_vec3() }.padded(1e-6)
 }
 
+/// The segment from the first point of curves to the last one, around their balls.
+fn segment_along(curves: &[Bezier<DVec4>]) -> CoverSegment {
+    let ends = [curves.first().map(Bezier::start), curves.last().map(Bezier::end)];
+    let balls = curves.iter().flat_map(Bezier::points).map(|p| (p.truncate(), p.w.abs()));
+    CoverSegment::around(ends.map(|end| end.unwrap_or_default().truncate()), balls)
+}
+
 impl Parts {
+    /// Segments along which the surface lies: curves halved until they are nearly straight, or many.
+    fn cover(&self) -> Vec<CoverSegment> {
+        const MOST: usize = 64;
+        const WIDE: f64 = 1.25;
+        if self.curves.len() > MOST {
+            let group = self.curves.len().div_ceil(MOST);
+            return self.curves.chunks(group).map(segment_along).collect();
+        }
+        // How many times as wide as the balls.
+        let width = |curve: &Bezier<DVec4>| {
+            let widest = curve.points().iter().map(|p| p.w.abs()).fold(0.0, f64::max);
+            segment_along(&[*curve]).radius / widest.max(f64::MIN_POSITIVE)
+        };
+        let measured = |curve: Bezier<DVec4>| (curve, width(&curve));
+        let mut pieces: Vec<_> = self.curves.iter().copied().map(measured).collect();
+        while pieces.len() < MOST {
+            let widest = (0..pieces.len()).max_by(|&i, &k| pieces[i].1.total_cmp(&pieces[k].1));
+            let Some(i) = widest.filter(|&i| pieces[i].1 > WIDE) else { break };
+            let (curve, _) = pieces.swap_remove(i);
+            pieces.extend(curve.split(0.5).map(measured));
+        }
+        pieces.iter().map(|(curve, _)| segment_along(&[*curve])).collect()
+    }
+
     /// Visits the pieces of a ray's line that are inside, in ascending order; none if it passes the box within its range.
     fn intervals(&self, ray: &Ray, mut visit: impl FnMut([End; 2])) {
         let Some((near, _)) = self.bounds.clip(ray) else { return };
@@ -234,7 +266,7 @@ impl Surface for SphereSweep {
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
-        let patch = TracedPatch::new(self.clone(), 0);
+        let patch = TracedPatch::new(self.clone(), 0).map(|patch| patch.covered_by(&self.0.cover()));
         patch.into_iter().for_each(|patch| visit(0, Patch::Traced(Box::new(patch))));
     }
 

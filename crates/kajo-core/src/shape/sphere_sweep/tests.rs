@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use kajo_math::{rng::Stream, warp};
+use kajo_math::{DAffine3, rng::Stream, warp};
 
 use super::*;
 use crate::shape::{Sphere, Torus};
@@ -199,4 +199,46 @@ fn paths_without_balls_make_nothing() {
     assert!(SphereSweep::new(&[path(&[[0.0; 4], [1.0, 0.0, 0.0, 0.0]])]).is_none());
     // A point is a ball, and a tip is one of none.
     assert!(SphereSweep::new(&[path(&[[0.0, 0.0, 0.0, 0.5], [1.0, 0.0, 0.0, 0.0]])]).is_some());
+}
+
+/// A sweep that gives light is drawn by spheres along it, moved and stretched ones too: the mean of an estimate is the one of a single
+/// sphere around all of it, each point has the density that it was drawn with, and what is long and thin has far less variance.
+#[test]
+fn light_is_drawn_along_the_sweep() {
+    const N: u32 = 40_000;
+    let wire =
+        path(&[[-2.0, 0.0, 0.0, 0.03], [0.0, 0.3, 1.0, 0.03], [0.3, 0.0, -1.0, 0.05], [2.0, 0.0, 0.0, 0.03]]);
+    let many: Vec<_> =
+        (0..90).map(|i| f64::from(i) / 20.0).map(|x| [x - 2.0, (3.0 * x).sin(), 0.2, 0.02]).collect();
+    let stretched = DAffine3::from_scale(DVec3::new(0.5, 1.5, 1.0));
+    for (sweep, map, gain) in [
+        (sweep(std::slice::from_ref(&wire)), DAffine3::IDENTITY, 20.0),
+        (sweep(&[wire]), stretched, 8.0),
+        (sweep(&[mixed()]), DAffine3::IDENTITY, 1.0),
+        (sweep(&[path(&many)]), DAffine3::IDENTITY, 5.0),
+    ] {
+        let mut covered = None;
+        sweep.patches(|_, patch| covered = patch.transformed(&map));
+        let single = Patch::Traced(Box::new(TracedPatch::new(sweep.clone(), 0).unwrap()));
+        let from = Vec3::new(0.4, 1.1, 2.0);
+        let moments = |patch: &Patch| {
+            let (mut sum, mut squares, mut off) = (0.0, 0.0, 0);
+            for i in 0..N {
+                let s = Stream::new(7, [i, 0], 0);
+                let Some(way) = patch.sample(from, bits(s, 0)) else { continue };
+                let again = patch.pdf(from, way.at.p, way.at.n);
+                off += u32::from((again / way.at.pdf - 1.0).abs() > 0.01);
+                let e = f64::from((2.5 + way.at.p.x + way.wi.z) / way.at.pdf);
+                (sum, squares) = (sum + e, squares + e * e);
+            }
+            // On the very edge of a view rounding decides whether a point is in it.
+            assert!(off < N / 2000, "{off} of {N}");
+            let (mean, mean2) = (sum / f64::from(N), squares / f64::from(N));
+            (mean, (mean2 - mean * mean) / f64::from(N))
+        };
+        let (covered, single) = (moments(&covered.unwrap()), moments(&single.transformed(&map).unwrap()));
+        let sigma = (covered.1 + single.1).sqrt();
+        assert!((covered.0 - single.0).abs() < 4.5 * sigma, "{covered:?} {single:?}");
+        assert!(covered.1 * gain < single.1, "{covered:?} {single:?}");
+    }
 }
