@@ -2,7 +2,7 @@
 """The squared error of path tracing at equal numbers of samples, beside Mitsuba 3 and its multijitter sampler.
 
     pip install mitsuba numpy
-    scenes/bench/errors_mitsuba.py [--kajo FILE] [--samples N] [--size N] [--runs N] [SCENE]...
+    scenes/bench/errors_mitsuba.py [--kajo FILE] [--samples N] [--pattern NAME] [--size N] [--runs N] [SCENE]...
 
 The scenes are those of errors/ and cornell_box.txt that both programs can say alike. The error is that of one picture, from pictures that differ in
 the seed only; the means of both are printed too, since errors of different pictures say nothing. An error says nothing of time: see paths.sh.
@@ -60,17 +60,15 @@ TWO_EMITTERS = [
 ]
 
 
-def rough_metal(name, alpha, color=1.0):
-    return {"type": "roughconductor", "material": name, "distribution": "ggx", "alpha": alpha} | (
-        {"specular_reflectance": rgb(color)} if color != 1.0 else {}
-    )
+def rough_metal(name, alpha):
+    return {"type": "roughconductor", "material": name, "distribution": "ggx", "alpha": alpha}
 
 
 def glossy_metals():
     wall = diffuse(0.6, 0.6, 0.6)
     gold, copper = rough_metal("Au", 0.0625), rough_metal("Cu", 0.16)
     return [
-        quad((-5, 0, 5), (10, 0, 0), (0, 0, -10), rough_metal("none", 0.25, 0.6)),
+        quad((-5, 0, 5), (10, 0, 0), (0, 0, -10), rough_metal("Ag", 0.16)),
         sphere([-0.5, 0.8, 0], 0.8, gold),
         sphere([1, 0.4, 0.9], 0.4, copper),
         sphere([1.3, 0.6, -1], 0.6, copper),
@@ -139,7 +137,7 @@ def kajo_pictures(kajo, name, options):
         out = str(pathlib.Path(work) / "picture.pfm")
         for seed in range(1, options.runs + 1):
             command = [kajo, "render", str(file), "-o", out, "--integrator", "path", "--bounces", str(BOUNCES)]
-            command += ["--size", f"{options.size}x{options.size}", "--samples", "sobol", str(options.samples)]
+            command += ["--size", f"{options.size}x{options.size}", "--samples", options.pattern, str(options.samples)]
             subprocess.run([*command, "--seed", str(seed), "--threads", "1", "--quiet"], check=True)
             yield np.array(mi.Bitmap(out), dtype=float)
 
@@ -153,6 +151,7 @@ def mitsuba_pictures(name, options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kajo", default="kajo")
+    parser.add_argument("--pattern", default="sobol", help="kajo's sample pattern")
     for name, default in (("samples", 64), ("size", 64), ("runs", 8)):
         parser.add_argument(f"--{name}", type=int, default=default)
     known = [*scenes(), "cornell_box"]

@@ -5,7 +5,7 @@ use kajo_math::{Affine3, DAffine3, Vec2, Vec3};
 
 use super::SceneBuilder;
 use crate::emission::{Leaving, VariedEmission};
-use crate::light::EmissionDensity;
+use crate::light::{EmissionDensity, TableDetail};
 use crate::shape::{Patch, ShapeId};
 use crate::texture::{SurfaceUv, TextureContext, TextureDetail};
 
@@ -23,6 +23,18 @@ const PATCHES_WITH_PATTERN: usize = 16;
 
 /// How far from the border of the coordinates points are asked for, since pictures go on beyond it.
 const INSET: f32 = 1e-4;
+
+/// A table whose cells are larger than half a texel by less than this factor has all that there is.
+const FINE: f32 = 1.1;
+
+/// Luminances over the coordinates of a patch.
+struct Table {
+    /// Columns and rows.
+    cells: [usize; 2],
+    /// At the corners of the cells.
+    found: Vec<f32>,
+    detail: TableDetail,
+}
 
 /// A patch of an emissive object.
 pub(super) struct EmissivePatch<'a> {
@@ -99,8 +111,8 @@ impl SceneBuilder {
             return (mean.clone(), None);
         }
         let (found, density) = match self.table(patch, n_patches) {
-            Some((cells, found)) => {
-                let density = EmissionDensity::new(patch.patch, cells, &found);
+            Some(Table { cells, found, detail }) => {
+                let density = EmissionDensity::new(patch.patch, cells, &found, detail);
                 (found, density.map(Box::new))
             }
             None => {
@@ -113,9 +125,8 @@ impl SceneBuilder {
         (mean.clone().scaled(share), density)
     }
 
-    /// Columns and rows of cells, and the luminances at their corners, half a texel apart; `None` for a patch of less than a
-    /// texel.
-    fn table(&self, patch: &EmissivePatch<'_>, n_patches: usize) -> Option<([usize; 2], Vec<f32>)> {
+    /// The luminances at points half a texel apart; `None` for a patch of less than a texel.
+    fn table(&self, patch: &EmissivePatch<'_>, n_patches: usize) -> Option<Table> {
         let mut texels = patch.texels(self);
         let &TextureDetail { has_pattern, jumps, .. } = patch.varied.detail();
         if has_pattern && n_patches <= PATCHES_WITH_PATTERN {
@@ -130,7 +141,12 @@ impl SceneBuilder {
         // Between the nodes a table goes on linearly. Where emission does not, they have means.
         let coarseness = (wanted / cells).max_element();
         let places =
-            if coarseness < 1.1 { 1 + u8::from(jumps) } else { (coarseness.ceil() as u8).clamp(2, 4) };
+            if coarseness < FINE { 1 + u8::from(jumps) } else { (coarseness.ceil() as u8).clamp(2, 4) };
+        let detail = if jumps || has_pattern || coarseness >= FINE {
+            TableDetail::Sampled
+        } else {
+            TableDetail::Blended
+        };
         let offset = |k: u8| (f32::from(k) + 0.5) / f32::from(places) - 0.5;
         let luminance = |node: Vec2| {
             let at = |k: u8| (node + Vec2::new(offset(k % places), offset(k / places))) / cells;
@@ -140,6 +156,6 @@ impl SceneBuilder {
         };
         let [columns, rows] = [cells.x as usize, cells.y as usize];
         let nodes = (0..=rows).flat_map(|j| (0..=columns).map(move |i| Vec2::new(i as f32, j as f32)));
-        Some(([columns, rows], nodes.map(luminance).collect()))
+        Some(Table { cells: [columns, rows], found: nodes.map(luminance).collect(), detail })
     }
 }

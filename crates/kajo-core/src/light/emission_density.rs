@@ -16,8 +16,25 @@ use kajo_math::{Vec2, Vec3};
 
 use crate::shape::{Patch, PatchSample, PatchWay, PlacedPatch, per_solid_angle};
 
-/// Part of the mean luminance that every point counts with at least, lest what the table misses be left undrawn.
-const LEAST_SHARE: f32 = 0.01;
+/// How well the luminance between the nodes of a table is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableDetail {
+    /// It is linear there, or nearly so.
+    Blended,
+    /// There may be more, or less.
+    Sampled,
+}
+
+impl TableDetail {
+    /// Part of the mean luminance that every point counts with at least, lest what the table misses be left undrawn. What is drawn
+    /// where nothing is emitted is drawn in vain.
+    fn least_share(self) -> f32 {
+        match self {
+            TableDetail::Blended => 1e-4,
+            TableDetail::Sampled => 0.01,
+        }
+    }
+}
 
 /// The relative variance of the emission from which on a table is worth it, where points are drawn by area without one.
 const WORTH_BY_AREA: f64 = 1e-3;
@@ -43,7 +60,12 @@ impl EmissionDensity {
     ///
     /// * `cells`: columns and rows
     /// * `luminance`: of nodes, one more of both than of cells, row by row
-    pub fn new(patch: &Patch, cells: [usize; 2], luminance: &[f32]) -> Option<EmissionDensity> {
+    pub fn new(
+        patch: &Patch,
+        cells: [usize; 2],
+        luminance: &[f32],
+        detail: TableDetail,
+    ) -> Option<EmissionDensity> {
         let sum = |of: fn(f64) -> f64| luminance.iter().map(|&v| of(v.into())).sum::<f64>();
         let (n, sum, squares) = (luminance.len() as f64, sum(|v| v), sum(|v| v * v));
         let variance = squares * n / (sum * sum) - 1.0;
@@ -57,7 +79,7 @@ impl EmissionDensity {
         if !variance.is_finite() || variance < worth {
             return None;
         }
-        let least = LEAST_SHARE * (sum / n) as f32;
+        let least = detail.least_share() * (sum / n) as f32;
         let density = Bilinear2D::new(cells, 1.0, |i, j| luminance[j * (cells[0] + 1) + i].max(least))?;
         Some(EmissionDensity { density, share: (variance * variance / (1.0 + variance * variance)) as f32 })
     }

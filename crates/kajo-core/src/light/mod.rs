@@ -31,7 +31,7 @@ pub use area::{AreaLight, PatchExtent, Sides};
 pub use bounding_sphere::BoundingSphere;
 pub use bounds::LightBounds;
 pub use directional::DirectionalLight;
-pub use emission_density::EmissionDensity;
+pub use emission_density::{EmissionDensity, TableDetail};
 pub(crate) use groups::OTHER;
 pub use groups::{LightGroupError, LightGroups};
 pub use photometric::{PhotometricLight, Photometry};

@@ -121,7 +121,7 @@ pub(crate) fn every_light() -> (Lights, Vec<KnownLight>) {
         let power = if sides == Sides::Both { 2.0 } else { 1.0 } * 2.0 * PI * patch.area();
         let luminance = |i: usize| 1.0 + (i * 29 % 13) as f32 / 4.0 + if i % 24 == 10 { 40.0 } else { 0.0 };
         let luminances: Vec<f32> = (0..48).map(luminance).collect();
-        let density = EmissionDensity::new(&patch, [7, 5], &luminances).map(Box::new);
+        let density = EmissionDensity::new(&patch, [7, 5], &luminances, TableDetail::Sampled).map(Box::new);
         let surface = Some(KnownSurface::new(shape, map, receiver));
         assert!(density.is_some(), "{shape:?}");
         let light = AreaLight { density, ..area(patch, sides) };
