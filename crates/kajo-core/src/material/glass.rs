@@ -167,6 +167,7 @@ impl Material for Glass {
             absorption: self.absorption.at(wavelengths),
             priority: self.settings.priority,
             medium: self.settings.medium,
+            adds: false,
         })
     }
 

@@ -71,6 +71,8 @@ pub struct Interior {
     pub priority: i32,
     /// What absorbs and scatters light inside, by place and at random.
     pub medium: Option<MediumId>,
+    /// Whether all this adds to what else of the same priority is there, and does not take its place.
+    pub adds: bool,
 }
 
 /// What every material can do.

@@ -17,7 +17,7 @@ use crate::texture::{AnyTexture, TextureContext};
 /// The boundary of a medium and nothing else.
 #[derive(Clone, Debug)]
 pub struct NullBoundary {
-    /// What is inside; `None` for a cavity.
+    /// What is inside, which adds to what is there; `None` for nothing, which in a body of a lower priority is a cavity.
     pub medium: Option<MediumId>,
     /// The body of the higher priority is there where several overlap.
     pub priority: i32,
@@ -80,7 +80,9 @@ impl Material for NullBoundary {
         let &NullBoundary { medium, priority } = self;
         let eta = self.index(appearance, at.context.p, at.wavelengths);
         let is_dispersive = medium.is_some_and(|medium| appearance.media.is_dispersive(medium));
-        Some(Interior { eta, is_dispersive, absorption: Spectrum::BLACK, priority, medium })
+        // What bends light is alone.
+        let adds = !self.bends_light(appearance);
+        Some(Interior { eta, is_dispersive, absorption: Spectrum::BLACK, priority, medium, adds })
     }
 
     fn medium(&self) -> Option<MediumId> {

@@ -195,6 +195,7 @@ impl Material for PhongMaterial {
             absorption,
             priority: 0,
             medium: None,
+            adds: false,
         };
         (!self.phong.transparent.is_black()).then_some(interior)
     }

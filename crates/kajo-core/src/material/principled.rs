@@ -395,7 +395,14 @@ impl Material for LayeredMaterial {
         let Layers { priority, thin, medium, ref dispersion, subsurface, .. } = self.layers;
         if let Some(body) = subsurface {
             let (absorption, medium) = (Spectrum::BLACK, Some(body.medium));
-            return Some(Interior { eta: None, is_dispersive: false, absorption, priority, medium });
+            return Some(Interior {
+                eta: None,
+                is_dispersive: false,
+                absorption,
+                priority,
+                medium,
+                adds: false,
+            });
         }
         (self.layers.transmit() && !thin).then(|| Interior {
             eta: Some(self.layers.glass_eta(appearance.textures.evaluator(&at.context), at.wavelengths)),
@@ -403,6 +410,7 @@ impl Material for LayeredMaterial {
             absorption: self.absorption.at(at.wavelengths),
             priority,
             medium,
+            adds: false,
         })
     }
 

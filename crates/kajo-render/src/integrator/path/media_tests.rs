@@ -364,3 +364,151 @@ fn points_along_a_ray_find_what_collisions_find() {
         .sum();
     mean(&close, settings(0), 2000, 0).check(expected, 0.02).unwrap();
 }
+
+/// Media `a`, `b` and `air`, boundaries of the first two, and the objects that these fill.
+fn overlapping(view: &str, media: &str, group: &str) -> Scene {
+    scene(&format!(
+        "{view} Media {{ {media} }}
+         Materials {{ Interface a {{ medium a }} Interface b {{ medium b }} Interface hole {{ priority 1 }} Glass pane {{ indexOfRefraction 1 }} }}
+         Group {{ {group} }}"
+    ))
+}
+
+const LEFT: &str = "MaterialIndex a Box { min -2 -1 -1 max 0.5 1 1 }";
+const RIGHT: &str = "MaterialIndex b Box { min -0.5 -0.9 -0.8 max 1 0.8 0.9 }";
+
+const NEARLY_CUBE: &str =
+    "MaterialIndex b Box { min -1.00002 -1.00002 -1.00002 max 1.00002 1.00002 1.00002 }";
+
+/// Absorbers let through the product of what each of them does, without noise: two slabs of the lengths 2.5 and 1.5, in air that has an end.
+#[test]
+fn the_transmittances_of_media_that_overlap_multiply() {
+    let media = "Medium a { sigma_a 0.2 0.5 1 }  Medium b { sigma_a 0.3 0.1 0.4 }  GridMedium air { size 1 1 1 values 1  min -4 -4 -4 max 4 4 4 sigma_a 0 }";
+    let a = [0.2, 0.5, 1.0].map(|sigma| sigma * 2.5);
+    let b = [0.3, 0.1, 0.4].map(|sigma| sigma * 1.5);
+    let both = [0, 1, 2].map(|i| a[i] + b[i]);
+    // From outside, through a hole of the length 0.8 in both, and from within both.
+    let hole = "MaterialIndex hole Box { min -0.4 -2 -2 max 0.4 2 2 }";
+    let without = [0, 1, 2].map(|i| both[i] - 0.8 * (a[i] / 2.5 + b[i] / 1.5));
+    let half = [0, 1, 2].map(|i| a[i] * 0.2 + b[i] / 1.5);
+    for (from, more, expected) in
+        [(-5.0, "", both), (5.0, "", both), (-5.0, hole, without), (5.0, hole, without), (0.0, "", half)]
+    {
+        for objects in [format!("{LEFT} {RIGHT} {more}"), format!("{more} {RIGHT} {LEFT}")] {
+            let view = under_a_white_sky([from, 0.1, 0.2], [if from > 0.0 { -9.0 } else { 9.0 }, 0.1, 0.2]);
+            let scene = overlapping(&view, media, &objects);
+            for (lane, depth) in expected.into_iter().enumerate() {
+                let found = mean(&scene, settings(16), 16, lane).mean;
+                assert!(
+                    (found / f64::exp(-depth) - 1.0).abs() < 5e-6,
+                    "{from} {objects} {lane}: {found} {depth}"
+                );
+            }
+        }
+    }
+    // Glass that is entered after both takes their place.
+    let view = under_a_white_sky([-5.0, 0.1, 0.2], [9.0, 0.1, 0.2]);
+    let pane = "MaterialIndex pane Box { min -0.4 -2 -2 max 0.4 2 2 }";
+    let scene = overlapping(&view, media, &format!("{LEFT} {RIGHT} {pane}"));
+    let found = mean(&scene, settings(16), 16, 0).mean;
+    assert!((found / f64::exp(-without[0]) - 1.0).abs() < 5e-6, "{found}");
+}
+
+/// As for one medium: whatever overlaps whatever.
+#[test]
+fn media_of_albedo_1_that_overlap_are_not_seen_under_a_uniform_sky() {
+    let (grid, _) = random_grid();
+    let function = "function = 2 + sin(4 * x) * cos(3 * y)  min -2 -2 -2  max 2 2 2";
+    for media in [
+        "Medium a { sigma_s 1 2 0.5 g 0.6 }  Medium b { sigma_s 3 0.2 2 phase rayleigh }".to_owned(),
+        format!("Medium a {{ sigma_s 0.5 2 1 g 0.6 }}  GridMedium b {{ {grid} sigma_s 8 1 4 droplets 20 }}"),
+        format!(
+            "FunctionMedium a {{ {function} sigma_s 1 0 0.5 }}  GridMedium b {{ {grid} sigma_s 8 1 4 g -0.5 }}
+             FunctionMedium air {{ {function} sigma_s 0 0.4 0.2  phaseTable 0 1 90 0 180 3 }} exterior air"
+        ),
+    ] {
+        for from in [[0.3, 0.2, 4.0], [0.1, -0.3, 0.1]] {
+            let view = under_a_white_sky(from, [0.0, -0.2, -0.1]);
+            let scene = overlapping(&view, &media, &format!("{LEFT} {RIGHT}"));
+            for (lane, technique) in TECHNIQUES.into_iter().enumerate() {
+                let settings = PathSettings { technique, ..settings(4000) };
+                mean(&scene, settings, 300, lane).check(1.0, 0.05).unwrap();
+            }
+            let spectral = PathSettings { spectral: true, ..settings(4000) };
+            mean(&scene, spectral, 300, 1).check(1.0, 0.05).unwrap();
+        }
+    }
+}
+
+/// A medium that is split into two of the same body is one.
+#[test]
+fn media_that_overlap_are_their_sum() {
+    let beam = "Lights { DirectionalLight { direction 0 -1 0  irradiance 1 } }";
+    let view = format!("{} {beam}", camera([0.0, 0.2, 5.0], [0.0, 0.2, 0.0]));
+    let cube = "MaterialIndex a Box { min -1 -1 -1 max 1 1 1 }";
+    // Surfaces in the same place are met as one.
+    let twice = format!("{cube} {NEARLY_CUBE}");
+    let voxels = "size 2 1 1 values 1 1";
+    for media in [
+        "Medium a { sigma_s 0.4 0.1 3 }  Medium b { sigma_s 0.6 0.4 1 }".to_owned(),
+        format!("Medium a {{ sigma_s 0.4 0.1 3 }}  GridMedium b {{ {voxels} sigma_s 0.6 0.4 1 }}"),
+        format!(
+            "GridMedium a {{ {voxels} sigma_s 0.4 0.1 3 }}  GridMedium b {{ {voxels} sigma_s 0.6 0.4 1 }}"
+        ),
+    ] {
+        let scene = overlapping(&view, &media, &twice);
+        for (lane, s) in [1.0f64, 0.5, 4.0].into_iter().enumerate() {
+            let expected = (-0.8 * s).exp() * (1.0 - (-2.0 * s).exp()) / (4.0 * PI);
+            mean(&scene, settings(0), 12_000, lane).check(expected, 0.02).unwrap();
+        }
+    }
+    // Where one absorbs what the other scatters, with light that is scattered many times.
+    let lit = under_a_white_sky([0.0, 0.2, 5.0], [0.0, 0.2, 0.0]);
+    let one = overlapping(
+        &lit,
+        "Medium a { sigma_s 2 1 0.5  sigma_a 0.1 0.6 0.3  g 0.3 }  Medium b { density 1 }",
+        cube,
+    );
+    for parts in [
+        "Medium a { sigma_s 2 1 0.5 g 0.3 }  Medium b { sigma_a 0.1 0.6 0.3 }".to_owned(),
+        format!("Medium a {{ sigma_s 2 1 0.5 g 0.3 }}  GridMedium b {{ {voxels} sigma_a 0.1 0.6 0.3 }}"),
+        format!(
+            "GridMedium a {{ {voxels} sigma_s 1.5 0.5 0 sigma_a 0 0.6 0 g 0.3 }}  Medium b {{ sigma_s 0.5 0.5 0.5  sigma_a 0.1 0 0.3  g 0.3 }}"
+        ),
+    ] {
+        let split = overlapping(&lit, &parts, &twice);
+        for lane in 0..3 {
+            let [one, split] = [&one, &split].map(|scene| mean(scene, settings(200), 6000, lane));
+            let spread = one.standard_error.hypot(split.standard_error);
+            assert!((one.mean - split.mean).abs() < 4.5 * spread, "{parts} {lane}: {split:?} {one:?}");
+            assert!(spread < 0.02 * one.mean, "{parts} {lane}: {split:?} {one:?}");
+        }
+    }
+}
+
+/// Media that emit add their light: `e/sigma (1 - exp(-sigma d))` with the sums of both, where one is as hot as the other it has to itself.
+#[test]
+fn media_that_emit_add_their_light() {
+    let cube = format!("MaterialIndex a Box {{ min -1 -1 -1 max 1 1 1 }} {NEARLY_CUBE}");
+    let view = camera([0.0, 0.2, 5.0], [0.0, 0.2, 0.0]);
+    let voxels = "size 2 1 1 values 1 1";
+    for (media, samples) in [
+        ("Medium a { sigma_a 0.5 emission 1 2 3 }  Medium b { sigma_a 0.3 emission 0.5 }".to_owned(), 16),
+        (
+            format!(
+                "Medium a {{ sigma_a 0.5 emission 1 2 3 }}  GridMedium b {{ {voxels} sigma_a 0.3 emission 0.5 }}"
+            ),
+            20_000,
+        ),
+    ] {
+        let scene = overlapping(&view, &media, &cube);
+        for (lane, e) in [1.5, 2.5, 3.5].into_iter().enumerate() {
+            let expected = e / 0.8 * (1.0 - (-1.6f64).exp());
+            let found = mean(&scene, settings(16), samples, lane);
+            match samples {
+                16 => assert!((found.mean / expected - 1.0).abs() < 1e-4, "{found:?} {expected}"),
+                _ => found.check(expected, 0.02).unwrap(),
+            }
+        }
+    }
+}

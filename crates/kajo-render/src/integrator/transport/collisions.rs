@@ -28,17 +28,18 @@
 //! path as it is without media.
 //!
 //! What a medium gives of its own is found by paths from the camera alone, on each stretch that they go without a collision.
+//!
+//! Several media in one place are for `overlap.rs`.
 
-use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
-use kajo_core::medium::{Heat, MediumId, Phase};
+use kajo_core::medium::{Heat, Majorants, MediumId, Phase};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
 
 use super::lane_mis::all_lanes;
 use super::{LaneMis, PathState};
-use crate::trail::{About, PathObserver};
 
 /// Null collisions along one ray after which it is given up: a majorant that is far above all densities is a mistake of the
 /// scene, and must not hold up a picture for ever.
@@ -101,29 +102,91 @@ impl PathState<'_> {
 }
 
 /// A medium along a ray, at the wavelengths of a path.
-struct Stretch<'a> {
+pub(super) struct Stretch<'a> {
     scene: &'a Scene,
-    medium: MediumId,
-    sigma_s: Spectrum,
-    sigma_t: Spectrum,
+    pub(super) medium: MediumId,
+    pub(super) sigma_s: Spectrum,
+    pub(super) sigma_t: Spectrum,
     hero: usize,
 }
 
+/// What collisions are drawn in, by majorants.
+pub(super) trait Matter {
+    /// How much there is of it at most.
+    type Most;
+
+    /// The spans of a ray with one majorant each, from its start on; between and behind them there is nothing.
+    fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<Self::Most>>;
+
+    /// Whether there is nothing.
+    fn is_void(&self, most: &Self::Most) -> bool;
+
+    /// `sigma[h]`.
+    fn hero_extinction(&self, most: &Self::Most) -> f32;
+
+    /// `T[i]` over a length.
+    fn transmittance(&self, most: &Self::Most, length: f32) -> Spectrum;
+}
+
+/// A part of a ray with one majorant.
+pub(super) struct Span<M> {
+    pub(super) t_min: f32,
+    pub(super) t_max: f32,
+    pub(super) most: M,
+}
+
+impl Matter for Stretch<'_> {
+    type Most = f32;
+
+    #[inline]
+    fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<f32>> {
+        self.majorants(ray).map(|majorant| Span {
+            t_min: majorant.t_min,
+            t_max: majorant.t_max,
+            most: majorant.density,
+        })
+    }
+
+    #[inline]
+    fn is_void(&self, density: &f32) -> bool {
+        *density == 0.0
+    }
+
+    #[inline]
+    fn hero_extinction(&self, density: &f32) -> f32 {
+        self.sigma_t[self.hero] * density
+    }
+
+    #[inline]
+    fn transmittance(&self, density: &f32, length: f32) -> Spectrum {
+        self.transmittance_at(*density, length)
+    }
+}
+
 impl<'a> Stretch<'a> {
-    fn new(scene: &'a Scene, medium: MediumId, wavelengths: &Wavelengths, hero: u32) -> Stretch<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        medium: MediumId,
+        wavelengths: &Wavelengths,
+        hero: u32,
+    ) -> Stretch<'a> {
         let coefficients = scene.appearance.media.coefficients(medium);
         let sigma_s = coefficients.sigma_s(wavelengths);
         let sigma_t = sigma_s + coefficients.sigma_a(wavelengths);
         Stretch { scene, medium, sigma_s, sigma_t, hero: hero as usize }
     }
 
+    pub(super) fn majorants(&self, ray: &Ray) -> Majorants<'a> {
+        self.scene.appearance.media.majorants(self.medium, ray)
+    }
+
     /// `T[i]` over a length with a density.
-    fn transmittance(&self, density: f32, length: f32) -> Spectrum {
+    fn transmittance_at(&self, density: f32, length: f32) -> Spectrum {
         // Nothing absorbs nothing over any length.
         (self.sigma_t * -(density * length).min(f32::MAX)).exp()
     }
 
-    fn density(&self, p: Vec3) -> f32 {
+    pub(super) fn density(&self, p: Vec3) -> f32 {
         self.scene.appearance.media.density(self.medium, &self.scene.appearance.textures, p)
     }
 
@@ -135,55 +198,55 @@ impl<'a> Stretch<'a> {
 }
 
 /// Called along a ray, from collision to collision.
-trait CollisionVisitor {
+pub(super) trait CollisionVisitor<M> {
     /// Passes a stretch without collisions.
     ///
     /// * `from`, `to`: distances of its ends
     /// * `t`: `T[i]` of all lanes from the last collision to `from`
     #[inline]
-    fn pass(&mut self, _draws: &mut SampleStream<'_>, _from: f32, _to: f32, _t: Spectrum, _majorant: f32) {}
+    fn pass(&mut self, _draws: &mut SampleStream<'_>, _from: f32, _to: f32, _t: Spectrum, _majorant: &M) {}
 
     /// Comes to a collision with the majorant; `true` ends the walk.
     ///
     /// * `at`: its distance
     /// * `t`: `T[i]` of all lanes since the last one
-    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool;
+    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: &M) -> bool;
 }
 
 /// Where along a ray collisions with a majorant are, one after the other, drawn by the hero's lane.
 ///
 /// Returns `T[i]` since the last collision where it ends at the far end of the ray.
-fn walk(
-    stretch: &Stretch<'_>,
+#[inline]
+pub(super) fn walk<M: Matter>(
+    matter: &M,
     ray: &Ray,
     draws: &mut SampleStream<'_>,
-    walker: &mut impl CollisionVisitor,
+    walker: &mut impl CollisionVisitor<M::Most>,
 ) -> Option<Spectrum> {
-    let hero = stretch.sigma_t[stretch.hero];
     let mut optical_depth = exponential(draws);
     let mut t = Spectrum::WHITE;
     let mut collisions = 0;
-    for majorant in stretch.scene.appearance.media.majorants(stretch.medium, ray) {
+    for Span { t_min, t_max, most } in matter.spans(ray) {
         // Where there is nothing, nothing happens.
-        if majorant.density == 0.0 {
+        if matter.is_void(&most) {
             continue;
         }
-        let mut at = majorant.t_min;
-        let sigma = hero * majorant.density;
+        let mut at = t_min;
+        let sigma = matter.hero_extinction(&most);
         loop {
             let step = if sigma > 0.0 { optical_depth / sigma } else { f32::INFINITY };
-            if at + step >= majorant.t_max {
-                let rest = majorant.t_max - at;
-                walker.pass(draws, at, majorant.t_max, t, majorant.density);
+            if at + step >= t_max {
+                let rest = t_max - at;
+                walker.pass(draws, at, t_max, t, &most);
                 optical_depth = (optical_depth - sigma * rest).max(0.0);
-                t *= stretch.transmittance(majorant.density, rest);
+                t *= matter.transmittance(&most, rest);
                 break;
             }
-            walker.pass(draws, at, at + step, t, majorant.density);
+            walker.pass(draws, at, at + step, t, &most);
             at += step;
-            t *= stretch.transmittance(majorant.density, step);
+            t *= matter.transmittance(&most, step);
             collisions += 1;
-            if walker.collide(draws, at, t, majorant.density) || collisions == MOST_COLLISIONS {
+            if walker.collide(draws, at, t, &most) || collisions == MOST_COLLISIONS {
                 return None;
             }
             t = Spectrum::WHITE;
@@ -241,7 +304,7 @@ impl Travel<'_> {
         let Some(EmissionOnTheWay { radiance, sigma_a, found }) = &mut self.emission else { return };
         let at = from + draws.next_1d() * (to - from);
         let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(self.ray.at(at)) };
-        let t = t * self.stretch.transmittance(majorant, at - from);
+        let t = t * self.stretch.transmittance_at(majorant, at - from);
         let ratio = t * (1.0 / t[self.stretch.hero]);
         let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
         let radiance = emission_at(self.ray.at(at), *radiance);
@@ -252,38 +315,47 @@ impl Travel<'_> {
     }
 }
 
-impl Travel<'_> {
-    /// Leaves the path as it is at the end of the way; the distance at which it is scattered, if it is.
+/// What is left of a path behind a walk through media.
+pub(super) struct Walked {
+    pub(super) beta: Spectrum,
+    pub(super) lanes: LaneMis,
+    /// Light that media gave since it was taken last, where that counts.
+    pub(super) emitted: Option<Spectrum>,
+    pub(super) is_homogeneous: bool,
+    pub(super) is_scattered: bool,
+}
+
+impl PathState<'_> {
+    /// Leaves the path as it is at the end of a walk.
     ///
     /// * `arrives`: `T[i]` since the last collision, where it comes to the far end
     #[inline]
-    fn end(self, path: &mut PathState<'_>, arrives: Option<Spectrum>) -> Option<f32> {
-        let Travel { stretch, is_homogeneous, mut beta, mut lanes, scattered, emission, .. } = self;
+    pub(super) fn leave_walk(&mut self, walked: Walked, arrives: Option<Spectrum>) {
+        let Walked { mut beta, mut lanes, emitted, is_homogeneous, is_scattered } = walked;
         if let Some(t) = arrives {
-            let hero = 1.0 / t[stretch.hero];
+            let hero = 1.0 / t[lanes.hero as usize];
             beta *= t * hero;
             lanes.r_u *= t * hero;
             lanes.r_l *= if is_homogeneous { Spectrum::WHITE * hero } else { t * hero };
         }
-        (path.beta, path.lanes) = (beta, lanes);
-        if let Some(emission) = emission {
-            path.emitted = emission.found;
+        (self.beta, self.lanes) = (beta, lanes);
+        if let Some(emitted) = emitted {
+            self.emitted = emitted;
         }
-        path.normalize_lanes();
-        if arrives.is_none() && scattered.is_none() {
-            path.beta = Spectrum::BLACK;
+        self.normalize_lanes();
+        if arrives.is_none() && !is_scattered {
+            self.beta = Spectrum::BLACK;
         }
-        scattered
     }
 }
 
-impl CollisionVisitor for Travel<'_> {
+impl CollisionVisitor<f32> for Travel<'_> {
     #[inline]
-    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: f32) {
-        self.add_emission(draws, from, to, t, majorant, |_, emission| emission);
+    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: &f32) {
+        self.add_emission(draws, from, to, t, *majorant, |_, emission| emission);
     }
 
-    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
+    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, &majorant: &f32) -> bool {
         let Travel { stretch, is_homogeneous, beta, lanes, .. } = self;
         let is_homogeneous = *is_homogeneous;
         let factor = stretch.collision(t);
@@ -312,15 +384,15 @@ struct HotTravel<'a> {
     heat: &'a Heat,
 }
 
-impl CollisionVisitor for HotTravel<'_> {
+impl CollisionVisitor<f32> for HotTravel<'_> {
     #[inline]
-    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: f32) {
+    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: &f32) {
         let (heat, wavelengths) = (self.heat, self.travel.wavelengths);
-        self.travel.add_emission(draws, from, to, t, majorant, |p, _| heat.emission(p, &wavelengths));
+        self.travel.add_emission(draws, from, to, t, *majorant, |p, _| heat.emission(p, &wavelengths));
     }
 
     #[inline]
-    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
+    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: &f32) -> bool {
         self.travel.collide(draws, at, t, majorant)
     }
 }
@@ -329,7 +401,7 @@ impl CollisionVisitor for HotTravel<'_> {
 ///
 /// Takes a number for each collision with the majorant and, where the density varies, another one for what it is; where the medium gives
 /// light and scatters, one for each stretch between them.
-fn travel<'a>(
+pub(super) fn travel<'a>(
     scene: &'a Scene,
     path: &mut PathState<'_>,
     medium: MediumId,
@@ -345,7 +417,7 @@ fn travel<'a>(
         if let Some(emission) = emission {
             path.emitted += path.beta * emission * emission_integral(stretch.sigma_t + absorption(), length);
         }
-        path.beta *= stretch.transmittance(1.0, length);
+        path.beta *= stretch.transmittance_at(1.0, length);
         return None;
     }
     let on_the_way = |radiance| EmissionOnTheWay { radiance, sigma_a: absorption(), found: path.emitted };
@@ -370,7 +442,13 @@ fn travel<'a>(
             arrives
         }
     };
-    let at = travel.end(path, arrives)?;
+    let Travel { beta, lanes, scattered, emission, .. } = travel;
+    let emitted = emission.map(|emission| emission.found);
+    path.leave_walk(
+        Walked { beta, lanes, emitted, is_homogeneous, is_scattered: scattered.is_some() },
+        arrives,
+    );
+    let at = scattered?;
     Some(MediumInteraction {
         p: ray.at(at),
         wo: -ray.d,
@@ -382,7 +460,7 @@ fn travel<'a>(
 }
 
 /// The integral of `exp(-sigma t)` over a length, by lanes.
-fn emission_integral(sigma: Spectrum, length: f32) -> Spectrum {
+pub(super) fn emission_integral(sigma: Spectrum, length: f32) -> Spectrum {
     sigma.map(|sigma| {
         let depth = sigma * length;
         // For small depths without the difference of near numbers; what has no end has a depth in each lane that counts.
@@ -390,30 +468,6 @@ fn emission_integral(sigma: Spectrum, length: f32) -> Spectrum {
             if depth > 1e-3 { -fmath::exp_m1(-depth) / sigma } else { length * (1.0 - 0.5 * depth) };
         if integral.is_finite() { integral } else { 0.0 }
     })
-}
-
-/// Takes the path through the medium around it, up to `length`; where it is scattered on the way.
-///
-/// Takes numbers as [`travel`].
-#[cold]
-#[inline(never)]
-pub fn travel_to<'a>(
-    scene: &'a Scene,
-    path: &mut PathState<'_>,
-    length: f32,
-    observer: &mut impl PathObserver,
-) -> Option<MediumInteraction<'a>> {
-    let medium = path.media.medium()?;
-    path.extent = length;
-    let at = travel(scene, path, medium, length)?;
-    path.beta *= path.media.transmittance(at.length);
-    let ray = Ray { t_max: at.length, ..path.ray };
-    observer.ended(scene, &ray, None, || About {
-        eta: path.media.eta(),
-        weight: sensor::to_rgb(path.beta, &path.wavelengths),
-        light: None,
-    });
-    Some(at)
 }
 
 /// What of light comes along a segment that joins two vertices, as an estimate, and the densities of the lanes.
@@ -460,7 +514,7 @@ impl Passage {
     ) {
         let stretch = Stretch::new(scene, medium, wavelengths, hero);
         if scene.appearance.media.is_homogeneous(medium) {
-            let t = stretch.transmittance(1.0, ray.t_max);
+            let t = stretch.transmittance_at(1.0, ray.t_max);
             self.t *= t;
             // Paths go through what scatters nothing with the probability 1.
             if scene.appearance.media.coefficients(medium).scatters() {
@@ -471,9 +525,17 @@ impl Passage {
         let mut tracking = Tracking { stretch: &stretch, ray, passage: *self };
         let arrives = walk(&stretch, ray, draws, &mut tracking);
         *self = tracking.passage;
+        self.arrive(arrives, stretch.hero);
+    }
+
+    /// Comes to the end of a segment.
+    ///
+    /// * `arrives`: `T[i]` since the last collision; `None` where nothing comes so far
+    #[inline]
+    pub(super) fn arrive(&mut self, arrives: Option<Spectrum>, hero: usize) {
         match arrives {
             Some(t) => {
-                let ratio = t * (1.0 / t[stretch.hero]);
+                let ratio = t * (1.0 / t[hero]);
                 self.t *= ratio;
                 self.r_l *= ratio;
                 self.r_u *= ratio;
@@ -490,8 +552,8 @@ struct Tracking<'a> {
     passage: Passage,
 }
 
-impl CollisionVisitor for Tracking<'_> {
-    fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
+impl CollisionVisitor<f32> for Tracking<'_> {
+    fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, &majorant: &f32) -> bool {
         let (factor, real) =
             (self.stretch.collision(t), (self.stretch.density(self.ray.at(at)) / majorant).min(1.0));
         let Passage { t: left, r_l, r_u } = &mut self.passage;

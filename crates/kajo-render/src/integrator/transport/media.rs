@@ -121,7 +121,9 @@ fn cross(
 /// Goes on through the medium around the start of a ray of unit direction, to its end.
 fn along(scene: &Scene, ray: &Ray, media: &MediumStack, with: &mut Joining<'_, '_>, passage: &mut Passage) {
     passage.t *= media.transmittance(ray.t_max);
-    if let Some(medium) = media.medium() {
+    if media.overlaps() {
+        passage.through_all(scene, media, ray, with.wavelengths, with.hero, with.draws);
+    } else if let Some(medium) = media.medium() {
         passage.through(scene, medium, ray, with.wavelengths, with.hero, with.draws);
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Where objects that light passes overlap, as glass and the liquid in it do, the medium of the highest priority is
 //! there, and an interface inside a medium of higher priority than its own is not: light passes it as if it were nothing
-//! [Schmidt and Budge 2002]. Of media of equal priority the one entered last is there.
+//! [Schmidt and Budge 2002]. Of media of equal priority the one entered last is there, or all of those that add: these are what bodies
+//! without a surface are filled with, and they add to the air too.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::ObjectId;
@@ -14,6 +15,12 @@ use kajo_math::Ray;
 
 /// Media that a stack has room for. Where more overlap, the one entered first is forgotten.
 const ROOM: usize = 4;
+
+/// Media that may be in one place, the air among them.
+pub const MOST_MEDIA: usize = ROOM + 1;
+
+/// Bodies of a higher priority take the place of the air.
+const PRIORITY_OF_AIR: i32 = 0;
 
 /// What fills an object, as far as paths go by it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,6 +43,18 @@ pub struct MediumStack {
     len: u32,
     /// What is outside of all.
     air: MaybeMedium,
+    /// A bit for each of the entries, of those that add to what is there.
+    adding: u8,
+    /// Whether what is around the point is not that of the uppermost entry alone, or of the air alone.
+    overlaps: bool,
+}
+
+/// Those of the entries that are there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct There {
+    /// A bit for each.
+    entries: u8,
+    air: bool,
 }
 
 /// The surface between two media as a path comes to it.
@@ -47,6 +66,8 @@ pub struct Interface {
     pub eta_outside: f32,
     /// Whether the path comes from outside.
     enters: bool,
+    /// Whether what is behind the surface adds to what is there.
+    adds: bool,
     /// Whether the surface is there at all, and not inside a medium of higher priority.
     pub is_real: bool,
     /// Whether refraction depends on the wavelength.
@@ -75,14 +96,15 @@ impl MediumStack {
                 around.add(&done);
             }
             let medium = Medium::of(object, &interior, 1.0);
-            let crossed = last.get_or_insert(Crossed { medium, exits: 0, farthest: 0.0 });
+            let first = Crossed { medium, adds: interior.adds, exits: 0, farthest: 0.0 };
+            let crossed = last.get_or_insert(first);
             crossed.exits += if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
             crossed.farthest = crossed.farthest.max(hit.t);
         });
         if let Some(done) = last {
             around.add(&done);
         }
-        around.media
+        around.finish()
     }
 
     /// Whether there are none.
@@ -119,10 +141,29 @@ impl MediumStack {
         self.top().map(|medium| medium.sigma_a).filter(|sigma_a| !sigma_a.is_black())
     }
 
-    /// What absorbs and scatters light by position around the point.
+    /// What absorbs and scatters light by position around the point, unless that are several.
     #[inline]
     pub fn medium(&self) -> Option<MediumId> {
         self.top().map_or(self.air, |medium| medium.inside).get()
+    }
+
+    /// Whether several media may be around the point, which are then those of [`MediumStack::each_medium`].
+    #[inline]
+    pub fn overlaps(&self) -> bool {
+        self.overlaps
+    }
+
+    /// All that absorbs and scatters light by position around the point.
+    pub fn each_medium(&self) -> [MaybeMedium; MOST_MEDIA] {
+        let there = self.there();
+        let mut each = [MaybeMedium::VACUUM; MOST_MEDIA];
+        for (i, medium) in self.media().iter().enumerate().filter(|&(i, _)| there.entries >> i & 1 == 1) {
+            each[i] = medium.inside;
+        }
+        if there.air {
+            each[ROOM] = self.air;
+        }
+        each
     }
 
     /// The object around the point, and what fills it, where that bends light.
@@ -145,6 +186,10 @@ impl MediumStack {
         if let Some(i) = self.position(object) {
             self.entries.copy_within(i + 1..self.len as usize, i);
             self.len -= 1;
+            if self.adding != 0 {
+                self.adding = without_bit(self.adding, i);
+                self.sum_up();
+            }
         }
     }
 
@@ -160,6 +205,7 @@ impl MediumStack {
             medium: Medium::of(object, interior, eta_outside),
             eta_outside,
             enters,
+            adds: interior.adds,
             is_real: outside.is_none_or(|outside| outside.priority <= interior.priority),
             is_dispersive: interior.is_dispersive,
         }
@@ -168,7 +214,7 @@ impl MediumStack {
     /// Goes to the other side of an interface.
     pub fn cross(&mut self, interface: &Interface) {
         if interface.enters {
-            self.push(interface.medium);
+            self.push(interface.medium, interface.adds);
         } else {
             self.leave(interface.medium.object);
         }
@@ -190,13 +236,56 @@ impl MediumStack {
         if self.is_empty() { None } else { uppermost(self.media().iter()) }
     }
 
-    fn push(&mut self, medium: Medium) {
+    fn push(&mut self, medium: Medium, adds: bool) {
         if self.len as usize == ROOM {
             self.entries.copy_within(1.., 0);
             self.len -= 1;
+            self.adding >>= 1;
         }
         self.entries[self.len as usize] = medium;
+        self.adding |= u8::from(adds) << self.len;
         self.len += 1;
+        if self.adding != 0 {
+            self.sum_up();
+        }
+    }
+
+    /// Which of the entries are there: each takes the place of those before it, or adds to them, unless one before it has a higher priority.
+    fn there(&self) -> There {
+        let mut there = There { entries: 0, air: true };
+        let mut priority = None;
+        for (i, medium) in self.media().iter().enumerate() {
+            let own = medium.priority;
+            if priority.is_some_and(|before| before > own) {
+                continue;
+            }
+            let is_level = priority.map_or(own <= PRIORITY_OF_AIR, |before| before == own);
+            if self.adding >> i & 1 == 1 && is_level {
+                there.entries |= 1 << i;
+            } else {
+                there = There { entries: 1 << i, air: false };
+            }
+            priority = Some(own);
+        }
+        there
+    }
+
+    /// Works out what is around the point anew, where some of the entries add.
+    #[cold]
+    #[inline(never)]
+    fn sum_up(&mut self) {
+        let there = self.there();
+        let (adding, len) = (self.adding, self.len as usize);
+        let is_there = |i: &usize| there.entries >> i & 1 == 1;
+        // Of all that is there at most one does not add. What adds has no absorption of its own, and hands on that one's.
+        let solid = (0..len).find(|i| is_there(i) && adding >> i & 1 == 0);
+        let sigma_a = solid.map_or(Spectrum::BLACK, |i| self.entries[i].sigma_a);
+        for i in (0..len).filter(is_there) {
+            self.entries[i].sigma_a = sigma_a;
+        }
+        let top = self.top().map_or(self.air, |medium| medium.inside);
+        let filled = self.each_medium().into_iter().filter(|&medium| medium != MaybeMedium::VACUUM);
+        self.overlaps = !filled.eq((top != MaybeMedium::VACUUM).then_some(top));
     }
 
     /// Where an object was entered last.
@@ -223,6 +312,7 @@ impl Medium {
 #[derive(Clone, Copy)]
 struct Crossed {
     medium: Medium,
+    adds: bool,
     /// Ways out less ways in.
     exits: i32,
     /// Parameter of the last crossing.
@@ -235,6 +325,8 @@ struct Surroundings {
     media: MediumStack,
     /// Where the ray leaves each of them for the last time, farthest first.
     ends: [f32; ROOM],
+    /// Whether each of them adds to what is there.
+    adds: [bool; ROOM],
 }
 
 impl Surroundings {
@@ -250,17 +342,37 @@ impl Surroundings {
         let place = if known < ROOM {
             entries.copy_within(place..known, place + 1);
             self.ends.copy_within(place..known, place + 1);
+            self.adds.copy_within(place..known, place + 1);
             *len += 1;
             place
         } else if place > 0 {
             entries.copy_within(1..place, 0);
             self.ends.copy_within(1..place, 0);
+            self.adds.copy_within(1..place, 0);
             place - 1
         } else {
             return;
         };
         (entries[place], self.ends[place]) = (crossed.medium, crossed.farthest);
+        self.adds[place] = crossed.adds;
     }
+
+    /// The media, when all objects have been looked at.
+    fn finish(self) -> MediumStack {
+        let Surroundings { mut media, adds, .. } = self;
+        let known = adds.iter().take(media.len as usize).enumerate();
+        media.adding = known.fold(0, |bits, (i, &adds)| bits | u8::from(adds) << i);
+        if media.adding != 0 {
+            media.sum_up();
+        }
+        media
+    }
+}
+
+/// Bits with one of them taken out, and those above it moved down.
+fn without_bit(bits: u8, i: usize) -> u8 {
+    let below = (1 << i) - 1;
+    (bits & below) | (bits >> 1 & !below)
 }
 
 /// The medium that is there, of those of some objects in the order in which they were entered.
@@ -286,7 +398,44 @@ mod tests {
             absorption: Spectrum::grey(eta),
             priority,
             medium: None,
+            adds: false,
         }
+    }
+
+    /// What an `Interface` is filled with, by the number of a medium.
+    fn haze(medium: usize, priority: i32) -> Interior {
+        let medium = Some(numbered()[medium]);
+        Interior { eta: None, absorption: Spectrum::BLACK, medium, adds: true, ..interior(1.0, priority) }
+    }
+
+    /// Names of ten media.
+    fn numbered() -> Vec<MediumId> {
+        let media: String = (0..10).map(|i| format!("Medium m{i} {{ density 1 }} ")).collect();
+        let camera = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }";
+        let scene = scene_with(&format!("{camera} Media {{ {media} }}"), &MemoryAssets::new());
+        scene.appearance.media.ids().collect()
+    }
+
+    /// Enters objects with these insides one after the other, which are numbered from 0.
+    fn inside_of(air: MaybeMedium, insides: &[Interior]) -> MediumStack {
+        let mut media = MediumStack { air, ..MediumStack::default() };
+        for (i, inside) in insides.iter().enumerate() {
+            let object = ObjectId::from_index(i as u32);
+            media.cross(&media.interface(object, inside, true));
+        }
+        media
+    }
+
+    /// The media around, in the order of their numbers.
+    fn around(media: &MediumStack) -> Vec<usize> {
+        let known = numbered();
+        let number = |medium: MediumId| known.iter().position(|&other| other == medium);
+        let each = media.each_medium().into_iter().filter_map(MaybeMedium::get);
+        let mut numbers: Vec<usize> = each.filter_map(number).collect();
+        numbers.sort_unstable();
+        let alone: Vec<usize> = media.medium().and_then(number).into_iter().collect();
+        assert_eq!(media.overlaps(), numbers != alone);
+        numbers
     }
 
     #[test]
@@ -310,6 +459,57 @@ mod tests {
         let out = in_water.interface(ObjectId::from_index(2), &water, false);
         assert!(out.is_real && out.eta_outside == 1.0);
         assert!(in_water.across(&out).absorption().is_none());
+    }
+
+    /// Media of equal priority add whatever their order is, and to the air; one of a higher priority takes their place.
+    #[test]
+    fn media_without_a_surface_add() {
+        let air = MaybeMedium::from(Some(numbered()[9]));
+        let [a, b] = [haze(1, 0), haze(2, 0)];
+        let cavity = Interior { medium: None, ..haze(0, 1) };
+        let nothing = Interior { medium: None, ..haze(0, 0) };
+        for (insides, expected) in [
+            (vec![], vec![9]),
+            (vec![a], vec![1, 9]),
+            (vec![a, b], vec![1, 2, 9]),
+            (vec![b, a, a], vec![1, 1, 2, 9]),
+            (vec![nothing], vec![9]),
+            (vec![cavity], vec![]),
+            (vec![a, cavity], vec![]),
+            (vec![cavity, a], vec![]),
+            (vec![cavity, haze(3, 1), b], vec![3]),
+            (vec![haze(3, 1)], vec![3]),
+            (vec![haze(3, -1)], vec![3, 9]),
+            (vec![a, interior(1.5, 0)], vec![]),
+            (vec![interior(1.5, 0), a], vec![1]),
+            (vec![a, interior(1.5, 0), b], vec![2]),
+            (vec![interior(1.5, 1), a], vec![]),
+        ] {
+            let media = inside_of(air, &insides);
+            assert_eq!(around(&media), expected, "{insides:?}");
+        }
+        assert_eq!(around(&inside_of(MaybeMedium::VACUUM, &[a])), [1]);
+        assert!(!inside_of(MaybeMedium::VACUUM, &[a]).overlaps());
+    }
+
+    /// Objects may be left in any order, and what is left of the others goes on.
+    #[test]
+    fn media_that_add_are_left_in_any_order() {
+        let glass = interior(1.5, 0);
+        let insides = [glass, haze(1, 0), haze(2, 0)];
+        let media = inside_of(MaybeMedium::VACUUM, &insides);
+        assert_eq!((around(&media), media.absorption()), (vec![1, 2], Some(glass.absorption)));
+        let leave = |mut media: MediumStack, i: u32| {
+            media.leave(ObjectId::from_index(i));
+            media
+        };
+        let without_glass = leave(media, 0);
+        assert_eq!((around(&without_glass), without_glass.absorption()), (vec![1, 2], None));
+        let without_one = leave(media, 1);
+        assert_eq!((around(&without_one), without_one.absorption()), (vec![2], Some(glass.absorption)));
+        let glass_alone = leave(without_one, 2);
+        assert_eq!((around(&glass_alone), glass_alone.absorption()), (vec![], Some(glass.absorption)));
+        assert!(!glass_alone.overlaps());
     }
 
     #[test]

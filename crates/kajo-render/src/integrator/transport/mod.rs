@@ -37,6 +37,7 @@ mod lane_mis;
 mod local_frame;
 mod media;
 mod medium_stack;
+mod overlap;
 mod path_state;
 pub mod steps;
 

@@ -10,8 +10,8 @@ use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
 
 use super::arrival::{TracedSegment, arrive};
-use super::collisions::travel_to;
 use super::curves::{self, Curve};
+use super::overlap::travel_to;
 use super::{MediumInteraction, PathState, SurfaceInteraction, differentials};
 use crate::trail::{About, PathObserver, RayKind};
 

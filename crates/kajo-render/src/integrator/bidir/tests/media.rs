@@ -34,6 +34,15 @@ fn all_ways_through_media_are_one() {
         "{GRID} sigma_s 0.3 1 2.5  sigma_a 0.8 0.2 0.1  g -0.4 }}  Medium air {{ sigma_s 0.3 0.1 0.2 }} exterior air"
     );
     check_ways_within(&room(&coloured, body, CEILING, BODY), 1, 6000, 0.2);
+    // Three in one place, each with its own phase function.
+    let three = format!(
+        "{GRID} sigma_s 0.5 1 2  sigma_a 0.4 0.2 0.1  phaseTable 0 0  90 2  180 1 }}
+         FunctionMedium n {{ function = 1 + x * y  sigma_s 1.2 0.6 0.3  g 0.5 }}
+         Medium air {{ sigma_s 0.2 0.1 0.3 }} exterior air"
+    );
+    let bodies = format!("{BODY} MaterialIndex other Box {{ min -0.3 -0.9 -0.9  max 0.9 0.3 0.5 }}");
+    let materials = "Interface body { medium m } Interface other { medium n }";
+    check_ways_within(&room(&three, materials, CEILING, &bodies), 1, 6000, 0.2);
 }
 
 /// Vertices on surfaces are merged, those in media joined.

@@ -143,7 +143,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         {
             return event;
         }
-        let Some(medium) = start.media.medium() else { return event };
+        // Several media scatter by several phase functions: collisions find their light.
+        let Some(medium) = start.media.medium().filter(|_| !start.media.overlaps()) else { return event };
         let (media, wavelengths) = (&scene.appearance.media, &start.wavelengths);
         let coefficients = media.coefficients(medium);
         if !media.is_homogeneous(medium) || !coefficients.scatters() {
