@@ -123,6 +123,29 @@ fn it_plays_to_the_end_or_begins_anew() {
 }
 
 #[test]
+fn what_plays_waits_while_something_is_dragged() {
+    let mut window = Window::with(&scene(), false);
+    window.frames(2);
+    window.select("crate");
+    let corner = window.point([3.0, 2.0, 1.0]);
+    window.button(corner, PointerButton::Primary, true);
+    window.harness.event(egui::Event::PointerMoved(corner + vec2(30.0, -20.0)));
+    window.frames(2);
+    assert!(window.studio().has_grip());
+    let now = frame(window.studio());
+    window.studio().apply(Action::Play);
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    window.frames(5);
+    assert!(window.studio().has_grip() && window.studio().time_line.is_playing());
+    assert_eq!(frame(window.studio()), now);
+    window.button(corner + vec2(30.0, -20.0), PointerButton::Primary, false);
+    window.wait(|studio| frame(studio) > now);
+    window.key(Key::K);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), scene(), "the drag is one step");
+}
+
+#[test]
 fn a_trace_begins_anew_at_another_frame() {
     let mut window = Window::with(&scene(), false);
     window.key(Key::Enter);

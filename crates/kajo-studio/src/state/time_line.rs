@@ -175,8 +175,9 @@ impl Studio {
             return;
         };
         (self.wake)();
-        // What takes longer than a frame lasts is shown whole, and others are left out.
-        if self.is_compiling() {
+        // What takes longer than a frame lasts is shown whole, and others are left out. A drag is one of what is seen.
+        let is_held = self.dragged.is_some() || self.grip.is_some() || self.time_line.is_dragging();
+        if is_held || self.typing.is_some() || self.is_compiling() {
             return;
         }
         let elapsed = playing.since.elapsed().as_secs_f64();
