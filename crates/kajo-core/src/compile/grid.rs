@@ -3,7 +3,7 @@
 use kajo_math::Vec3;
 use kajo_scene::{
     Args, AssetFile, Diagnostic, GridEntry, Item, Params, RawVolume, VolumeEncoding, VolumeFile, VoxelGrid,
-    is_vdb, list_vdb, nearest, read_vdb, read_volume,
+    VoxelValue, is_vdb, list_vdb, nearest, read_vdb, read_volume,
 };
 
 use super::Compiler;
@@ -253,12 +253,12 @@ impl Compiler<'_> {
     /// A grid of a file, whose memory is taken for good.
     ///
     /// * `named`: its name; without one it is that of the name `usual`, or the first one that has numbers
-    pub(super) fn voxels(
+    pub(super) fn voxels<T: VoxelValue>(
         &mut self,
         file: &At<'_, FileName>,
         named: Option<&At<'_, GridName>>,
         usual: &str,
-    ) -> Option<VoxelGrid<f32>> {
+    ) -> Option<VoxelGrid<T>> {
         let limits = &self.options.limits;
         let entries = list_vdb(self.opened(file)?, limits).map_err(|error| error.to_string());
         let entries = entries.map_err(|reason| self.unreadable(file, reason)).ok()?;
@@ -293,7 +293,7 @@ impl Compiler<'_> {
         };
         let limits = &self.options.limits;
         let read = read_vdb(self.opened(file)?, index, limits).map_err(|error| error.to_string());
-        let kept = read.and_then(|mut grid: VoxelGrid<f32>| {
+        let kept = read.and_then(|mut grid: VoxelGrid<T>| {
             grid.memory.keep(grid.voxels.bytes()).map_err(|over| over.to_string())?;
             Ok(grid)
         });

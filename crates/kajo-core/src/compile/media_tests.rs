@@ -37,8 +37,11 @@ fn smoke(name: &str, values: [f32; 2]) -> VdbGrid {
 fn cloud_vdb() -> Vec<u8> {
     let mut colors = smoke("Cd", [1.0; 2]);
     colors.kind = VdbKind::Vec3;
+    let mut bright = smoke("bright", [0.5, 1.5]);
+    bright.kind = VdbKind::Vec3;
     let grids = vec![
         colors,
+        bright,
         smoke("flame", [2.0, 3.0]),
         smoke("density", [1.0, 0.5]),
         smoke("sdf", [1.0, -0.5]),
@@ -120,6 +123,7 @@ fn grids_come_from_files_and_from_the_text() {
         "GridMedium m { file cloud.nvdb density 1 } exterior m",
         "GridMedium m { file cloud.vdb density 1 temperature flame temperatureScale 900 temperatureOffset 300 brightness 2 }",
         "GridMedium m { file cloud.vdb sigma_a 0 temperature flame }",
+        "GridMedium m { file cloud.vdb density 1 albedoGrid Cd temperature flame }",
         "GridMedium m { file cloud.vdb temperature flame }",
         "FunctionMedium m { function = x + y density 1 }",
         "Medium m { emission blackbody 1900 5 }",
@@ -221,6 +225,20 @@ fn mistakes_are_named() {
         (
             "GridMedium m { density 1 file cloud.vdb temperature bad }",
             "voxel (2, 0, 0) of the temperatures is NaN",
+        ),
+        ("GridMedium m { density 1 file cloud.vdb albedoGrid Cs }", "there is no grid `Cs` in `cloud.vdb`"),
+        (
+            "GridMedium m { density 1 file cloud.vdb albedoGrid density }",
+            "the grid `density` has 1 numbers in a voxel, not 3",
+        ),
+        (
+            "GridMedium m { density 1 file cloud.vdb albedoGrid bright }",
+            "voxel (2, 0, 0) of the colours is 1.5 1.5 1.5: each is from 0 to 1",
+        ),
+        ("GridMedium m { density 1 file cloud.df3 albedoGrid Cd }", "`albedoGrid` names a grid of a .vdb"),
+        (
+            "GridMedium m { density 1 size 1 1 1 values 1 albedoGrid Cd }",
+            "`albedoGrid` cannot stand without `file`",
         ),
         ("GridMedium m { density 1 file cloud.vdb temperature flame emission 1 }", "cannot stand beside"),
         (

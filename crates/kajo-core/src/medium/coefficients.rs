@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kajo_color::{Emission, Reflectance, Spectrum, Unbounded, Wavelengths};
 
-use super::{Heat, Phase, albedo_of};
+use super::{AlbedoGrid, Heat, Phase, albedo_of};
 
 /// Absorption, scattering and the phase function of a medium, all per unit of density.
 ///
@@ -21,6 +21,7 @@ pub struct Coefficients {
     phase: Phase,
     emission: Option<Arc<Emission>>,
     heat: Option<Arc<Heat>>,
+    colors: Option<Arc<AlbedoGrid>>,
     is_subsurface: bool,
 }
 
@@ -58,6 +59,7 @@ impl Coefficients {
             phase,
             emission: None,
             heat: None,
+            colors: None,
             is_subsurface: false,
         })
     }
@@ -72,6 +74,7 @@ impl Coefficients {
             phase: Phase::Isotropic,
             emission: None,
             heat: None,
+            colors: None,
             is_subsurface: false,
         }
     }
@@ -122,6 +125,7 @@ impl Coefficients {
             phase,
             emission: None,
             heat: None,
+            colors: None,
             is_subsurface: true,
         })
     }
@@ -162,6 +166,18 @@ impl Coefficients {
     #[must_use]
     pub fn with_heat(self, heat: Heat) -> Coefficients {
         Coefficients { heat: Some(Arc::new(heat)), ..self }
+    }
+
+    /// The same medium with an albedo that differs from place to place.
+    #[must_use]
+    pub fn with_colors(self, colors: AlbedoGrid) -> Coefficients {
+        Coefficients { colors: Some(Arc::new(colors)), ..self }
+    }
+
+    /// What scattering is multiplied by at each place, at the cost of more absorption, where that is not 1.
+    #[inline]
+    pub fn colors(&self) -> Option<&AlbedoGrid> {
+        self.colors.as_deref()
     }
 
     /// What it gives by its temperature, where it does.

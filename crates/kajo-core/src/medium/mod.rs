@@ -12,6 +12,7 @@
 //!
 //! [`Fog`] is another thing: the haze of the classic formula, which scatters nothing.
 
+mod albedo_grid;
 mod black_hole;
 mod coefficients;
 mod fog;
@@ -29,6 +30,7 @@ mod subsurface;
 mod textured;
 mod wormhole;
 
+pub use albedo_grid::{AlbedoGrid, AlbedoGridError};
 pub use black_hole::{BlackHole, BlackHoleError, BlackHoleObserver};
 pub use coefficients::{Coefficients, CoefficientsError};
 pub use fog::Fog;

@@ -3,21 +3,21 @@
 use std::sync::Arc;
 
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Transform, Vec3};
-use kajo_scene::{Block, GridMap, SparseVoxels};
+use kajo_scene::{Block, GridMap, SparseVoxels, VoxelValue};
 
 /// Numbers in voxels, and where they are in the world.
 #[derive(Clone, Debug)]
-pub struct PlacedVoxels {
-    pub(super) voxels: Arc<SparseVoxels<f32>>,
+pub struct PlacedVoxels<T = f32> {
+    pub(super) voxels: Arc<SparseVoxels<T>>,
     /// Between the world and voxels, of which the first fills the unit cube.
     pub(super) place: Transform,
 }
 
-impl PlacedVoxels {
+impl<T: VoxelValue> PlacedVoxels<T> {
     /// * `map`: from voxels to the world
     ///
     /// `None` for a map that has no inverse.
-    pub fn new(voxels: SparseVoxels<f32>, map: &DAffine3) -> Option<PlacedVoxels> {
+    pub fn new(voxels: SparseVoxels<T>, map: &DAffine3) -> Option<PlacedVoxels<T>> {
         Some(PlacedVoxels { voxels: Arc::new(voxels), place: Transform::new(map)? })
     }
 
@@ -26,14 +26,8 @@ impl PlacedVoxels {
         Aabb { min: Vec3::ZERO, max: Vec3::from(self.voxels.size().map(|n| n as f32)) }
     }
 
-    /// The number at a world-space point, interpolated; `None` outside of the box of the voxels.
-    pub fn within(&self, p: Vec3) -> Option<f32> {
-        let p = self.place.object_from_world.transform_point3(p);
-        self.extent().contains(p).then(|| self.interpolated(p))
-    }
-
-    /// The number of a voxel that is none, with its place from the corner of the box.
-    pub fn not_finite(&self) -> Option<([u32; 3], f32)> {
+    /// A value that `is_wrong` says is none, with its place from the corner of the box.
+    pub fn find(&self, is_wrong: impl Fn(T) -> bool) -> Option<([u32; 3], T)> {
         let mut found = None;
         let offset = self.voxels.offset();
         self.voxels.for_each_block(|low, high, block| {
@@ -41,7 +35,7 @@ impl PlacedVoxels {
                 for y in low[1]..high[1] {
                     for z in low[2]..high[2] {
                         let value = block.at([x + offset[0], y + offset[1], z + offset[2]]);
-                        if !value.is_finite() {
+                        if is_wrong(value) {
                             found = found.or(Some(([x, y, z], value)));
                         }
                         if matches!(block, Block::Constant(_)) {
@@ -52,6 +46,39 @@ impl PlacedVoxels {
             }
         });
         found
+    }
+
+    /// The eight voxels between whose middles a world-space point is, with their weights; outside of the box those of the nearest point in it.
+    pub(super) fn around(&self, p: Vec3, mut show: impl FnMut(T, f32)) {
+        let p = self.place.object_from_world.transform_point3(p);
+        let last = self.voxels.size().map(|n| n - 1);
+        let p = (p - 0.5).clamp(Vec3::ZERO, Vec3::from(last.map(|n| n as f32)));
+        let low = p.to_array().map(|x| x as u32);
+        let f = p - Vec3::from(low.map(|n| n as f32));
+        let offset = self.voxels.offset();
+        for corner in 0..8 {
+            let is_high = [0, 1, 2].map(|axis| corner >> axis & 1 == 1);
+            let weight = |axis: usize| if is_high[axis] { f[axis] } else { 1.0 - f[axis] };
+            let weight = weight(0) * weight(1) * weight(2);
+            if weight > 0.0 {
+                let voxel = [0, 1, 2].map(|axis| (low[axis] + u32::from(is_high[axis])).min(last[axis]));
+                let voxel = [0, 1, 2].map(|axis| voxel[axis] + offset[axis]);
+                show(self.voxels.block(voxel).at(voxel), weight);
+            }
+        }
+    }
+}
+
+impl PlacedVoxels {
+    /// The number at a world-space point, interpolated; `None` outside of the box of the voxels.
+    pub fn within(&self, p: Vec3) -> Option<f32> {
+        let p = self.place.object_from_world.transform_point3(p);
+        self.extent().contains(p).then(|| self.interpolated(p))
+    }
+
+    /// The number of a voxel that is none, with its place from the corner of the box.
+    pub fn not_finite(&self) -> Option<([u32; 3], f32)> {
+        self.find(|value| !value.is_finite())
     }
 
     /// The number at a world-space point, interpolated; outside of the box that of its nearest voxel.

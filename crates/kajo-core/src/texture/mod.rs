@@ -46,6 +46,7 @@ pub use picture::{
 };
 pub use placed::Placed;
 pub use ramp::{Colors, Curve, Cycle, Grey, Lightness, Ramp};
+pub(crate) use rgb::rgb_reflectance;
 pub use slope::TextureSlope;
 pub use surface_share::SurfaceShare;
 pub use value::{AnyTexture, ColorTexture, FloatTexture, TextureEvaluator};

@@ -1,7 +1,7 @@
 //! `GridMedium`: a cloud or smoke whose density is given voxel by voxel.
 
 use kajo_math::{Aabb, DAffine3, DMat3, Vec3};
-use kajo_scene::{Diagnostic, Item, Params, VoxelGrid};
+use kajo_scene::{Diagnostic, Item, Params, VoxelGrid, VoxelValue};
 
 use super::medium::{CoefficientKeys, coefficients};
 use super::phase::PhaseKeys;
@@ -12,12 +12,13 @@ use crate::compile::fields::{
 use crate::compile::grid::{FileVoxels, Grid, GridKeys, GridName, GridSource, grid_keys};
 use crate::compile::member::{MediumMember, Member};
 use crate::medium::{
-    Coefficients, DensityGrid, GridError, GridMedium, Heat, PlacedVoxels, SparseGridMedium, affine,
+    AlbedoGrid, AlbedoGridError, Coefficients, DensityGrid, GridError, GridMedium, Heat, PlacedVoxels,
+    SparseGridMedium, affine,
 };
 use crate::schema::{Block, Constant, FieldKind, Kind};
 
 keys! {
-    /// The emission of what is hot.
+    /// What other grids of the same file say: temperatures and colours.
     HeatKeys<'t> {
         temperature: Option<At<'t, GridName>> = Typed::<GridName>::new("temperature", FieldKind::Text)
             .only_beside("file")
@@ -36,6 +37,11 @@ keys! {
             .unit("W/(m³ sr)")
             .only_beside("temperature")
             .presumed(Constant::Number(1.0), "luminance per length that it gives at 2000 K"),
+        albedo_grid: Option<At<'t, GridName>> = Typed::<GridName>::new("albedoGrid", FieldKind::Text)
+            .only_beside("file")
+            .not_beside(&["values", "size"])
+            .placed()
+            .unlike("none", "Cd", "name of a grid of colours in the same .vdb: shares of what is scattered, times `albedo`"),
     }
 }
 
@@ -56,10 +62,9 @@ pub const MEMBER: MediumMember = Member {
         let (keys, heat, coefficients) = read?;
         match compiler.grid_source(keys)? {
             GridSource::Dense(grid) => {
-                if let Some(At { item, .. }) = heat.temperature {
-                    let error = Diagnostic::error(
-                        "`temperature` names a grid of a .vdb or .nvdb, and this file is another one",
-                    );
+                if let Some(At { item, .. }) = heat.temperature.or(heat.albedo_grid) {
+                    let message = "names a grid of a .vdb or .nvdb, and this file is another one";
+                    let error = Diagnostic::error(format!("`{}` {message}", item.keyword()));
                     compiler.diagnostics.push(error.label(item.head_span(), "there is no such grid"));
                     return None;
                 }
@@ -131,6 +136,19 @@ impl Compiler<'_> {
             }
             None => coefficients,
         };
+        let coefficients = match &heat.albedo_grid {
+            Some(name) => {
+                let grid = self.voxels(&voxels.file, Some(name), "Cd")?;
+                let placed = self.placed(item, grid, &moved)?;
+                let report = |error: AlbedoGridError| {
+                    let error = Diagnostic::error(error.to_string());
+                    self.diagnostics.push(error.label(item.head_span(), "no such medium"));
+                };
+                let colors = AlbedoGrid::new(placed).map_err(report).ok()?;
+                coefficients.with_colors(colors)
+            }
+            None => coefficients,
+        };
         let placed = self.placed(item, voxels.grid, &moved)?;
         SparseGridMedium::new(coefficients, placed).map_err(|error| self.no_medium(item, error)).ok()
     }
@@ -138,7 +156,12 @@ impl Compiler<'_> {
     /// The voxels of a file in the world; that they are flat there is reported.
     ///
     /// * `moved`: from where the file says that they are
-    fn placed(&mut self, item: Item<'_>, grid: VoxelGrid<f32>, moved: &DAffine3) -> Option<PlacedVoxels> {
+    fn placed<T: VoxelValue>(
+        &mut self,
+        item: Item<'_>,
+        grid: VoxelGrid<T>,
+        moved: &DAffine3,
+    ) -> Option<PlacedVoxels<T>> {
         let placed = PlacedVoxels::new(grid.voxels, &(*moved * affine(&grid.map)));
         if placed.is_none() {
             let message = format!("the voxels of the grid `{}` are flat", grid.name);

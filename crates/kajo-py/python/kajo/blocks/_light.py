@@ -105,6 +105,8 @@ class GridMedium(MediumBlock):
         temperature_offset: kelvin of the number 0 (number, K). Default: 0.
         brightness: luminance per length that it gives at 2000 K (number ≥ 0, W/(m³ sr)).
             Default: 1.
+        albedo_grid: name of a grid of colours in the same .vdb: shares of what is scattered,
+            times `albedo` (word or text). Default: none.
         sigma_a: absorption per length (r g b, 1/length). Default: none.
         sigma_s: scattering per length (r g b, 1/length). Default: none.
         albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
@@ -142,6 +144,7 @@ class GridMedium(MediumBlock):
         temperature_scale: Number | None = None,
         temperature_offset: Number | None = None,
         brightness: Number | None = None,
+        albedo_grid: str | None = None,
         sigma_a: Vector | None = None,
         sigma_s: Vector | None = None,
         albedo: Vector | None = None,
@@ -168,6 +171,7 @@ class GridMedium(MediumBlock):
         self.temperature_scale = temperature_scale
         self.temperature_offset = temperature_offset
         self.brightness = brightness
+        self.albedo_grid = albedo_grid
         self.sigma_a = sigma_a
         self.sigma_s = sigma_s
         self.albedo = albedo

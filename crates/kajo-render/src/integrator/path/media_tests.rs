@@ -3,9 +3,12 @@
 use std::f64::consts::PI;
 
 use kajo_core::settings::Technique;
+use kajo_scene::MemoryAssets;
+use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
 use super::tests::{TECHNIQUES, camera, check, mean, scene};
 use super::*;
+use crate::integrator::tests::scene_with;
 
 fn settings(bounces: u32) -> PathSettings {
     PathSettings { bounces, ..PathSettings::default() }
@@ -510,5 +513,40 @@ fn media_that_emit_add_their_light() {
                 _ => found.check(expected, 0.02).unwrap(),
             }
         }
+    }
+}
+
+/// A grid of colours is an albedo: as the medium that has it everywhere, alone and with another one in the same place.
+#[test]
+fn colours_of_voxels_are_albedos() {
+    let grid = |name: &str, kind: VdbKind, value: [f32; 3]| {
+        let mut grid = VdbGrid::new(name, kind, VdbMap::Uniform(1.0));
+        for k in 0..64 {
+            grid.set([k % 4, k / 4 % 4, k / 16], value);
+        }
+        grid
+    };
+    let grids = vec![grid("density", VdbKind::Float, [0.5; 3]), grid("Cd", VdbKind::Vec3, [0.25, 0.5, 1.0])];
+    let file = VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids };
+    let assets = MemoryAssets::new().with("smoke.vdb", file.to_bytes());
+    let scene_of = |medium: &str| {
+        let text = format!(
+            "{} Media {{ {medium}  Medium n {{ sigma_s 0.4  sigma_a 0.2 0.1 0.3 }} }}
+             Materials {{ Interface i {{ medium m }} Interface j {{ medium n }} }}
+             Group {{ MaterialIndex i Box {{ min -1 -1 -1 max 1 1 1 }} MaterialIndex j Box {{ min -3 -0.5 -0.5 max 0 0.5 0.5 }} }}",
+            under_a_white_sky([0.3, 0.2, 5.0], [-0.2, 0.2, 0.0])
+        );
+        scene_with(&text, &assets)
+    };
+    let place = "min -1 -1 -1 max 1 1 1";
+    let by_place =
+        scene_of(&format!("GridMedium m {{ file smoke.vdb {place} density 3 albedo 0.9 albedoGrid Cd }}"));
+    let everywhere =
+        scene_of(&format!("GridMedium m {{ file smoke.vdb {place} density 3 albedo 0.225 0.45 0.9 }}"));
+    for lane in 0..3 {
+        let [found, expected] = [&by_place, &everywhere].map(|scene| mean(scene, settings(100), 3000, lane));
+        let spread = found.standard_error.hypot(expected.standard_error);
+        assert!((found.mean - expected.mean).abs() < 4.5 * spread, "{lane}: {found:?} {expected:?}");
+        assert!(spread < 0.03 * expected.mean, "{lane}: {found:?} {expected:?}");
     }
 }

@@ -33,7 +33,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
-use kajo_core::medium::{Heat, Majorants, MediumId, Phase};
+use kajo_core::medium::{Coefficients, Heat, Majorants, MediumId, Phase};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
@@ -83,6 +83,14 @@ impl PathState<'_> {
         } else {
             // Rounding has left nothing of the path.
             self.beta = Spectrum::BLACK;
+        }
+    }
+
+    /// Multiplies the weight of a path that a medium scatters by what its colours say there.
+    #[inline]
+    pub(super) fn scatter_by_colors(&mut self, coefficients: &Coefficients, p: Vec3) {
+        if let Some(colors) = coefficients.colors() {
+            self.beta *= colors.at(p, &self.wavelengths);
         }
     }
 
@@ -449,8 +457,10 @@ pub(super) fn travel<'a>(
         arrives,
     );
     let at = scattered?;
+    let p = ray.at(at);
+    path.scatter_by_colors(coefficients, p);
     Some(MediumInteraction {
-        p: ray.at(at),
+        p,
         wo: -ray.d,
         phase: coefficients.phase(),
         length: at,

@@ -395,8 +395,10 @@ fn travel_through_all<'a>(
     path.beta *= transmittance(all.absorption, scattered.map_or(length, |(at, _)| at));
     let (at, k) = scattered?;
     let coefficients = all.parts[k].as_ref()?.coefficients;
+    let p = ray.at(at);
+    path.scatter_by_colors(coefficients, p);
     Some(MediumInteraction {
-        p: ray.at(at),
+        p,
         wo: -ray.d,
         phase: coefficients.phase(),
         length: at,
