@@ -3,11 +3,12 @@
 //! A key is a piece of text: its time, a colon and its values; of a `Motion` it is the whole block. Pieces change places where
 //! the order of time asks for it, what stands between them stays where it is, and of a number that stays no byte changes.
 
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use kajo_core::schema::{FieldKind, FieldValue, Kind, number_text};
 use kajo_math::keyed::{Interpolation, Outside};
-use kajo_scene::{Item, KeysOwner, NamedValue, Span, TokenKind, apply_edits, tokens};
+use kajo_scene::{Item, KeysOwner, Span, TokenKind, apply_edits, tokens};
 
 use super::{Block, KEY, KeyOwner, MOTION, SAME, Written};
 use crate::fields::{fields_of, is_same_number};
@@ -27,9 +28,6 @@ pub enum Keying {
     /// It cannot have any that are set here, and why, for people.
     Fixed(String),
 }
-
-/// Names that are looked up one for another, at most.
-const NAMES_DEEP: u32 = 8;
 
 /// Names that are looked at, at most: every turn of a `repeat` has one.
 const NAMES: usize = 1000;
@@ -111,24 +109,42 @@ impl Tree {
 
     /// Whether an expression names the time, or a value that changes with it.
     fn is_timed(&self, expression: &str) -> bool {
-        self.names_time(expression, NAMES_DEEP)
+        if !expression.contains(|c: char| c.is_ascii_alphabetic()) {
+            return false;
+        }
+        let definitions = self.definitions();
+        let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        // Each name is followed once, however often others stand for it.
+        let (mut followed, mut texts) = (HashSet::new(), vec![expression]);
+        while let Some(text) = texts.pop() {
+            for word in text.split(|c| !is_letter(c)).filter(|word| !word.is_empty()) {
+                if matches!(word, "time" | "frame" | "keys") {
+                    return true;
+                }
+                if followed.insert(word) {
+                    texts.extend(definitions.get(word).into_iter().flatten());
+                }
+            }
+        }
+        false
     }
 
-    /// * `deep`: how many names may stand for each other
-    fn names_time(&self, expression: &str, deep: u32) -> bool {
-        let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        expression.split(|c| !is_letter(c)).filter(|word| !word.is_empty()).any(|word| {
-            let named = self.desc.named_values().take(NAMES);
-            let mut same = named.filter(|(name, _)| *name == word && deep > 0);
-            let is_changing = |value: NamedValue| {
-                // What stands behind it, to the end of its line, as far as there is no block.
-                let (file, name) = self.range_of(value.name);
-                let behind = &self.text(file)[name.end..];
+    /// What values that are no plain numbers are written as, by their names: what stands behind each, to the end of its line, as far as
+    /// there is no block.
+    fn definitions(&self) -> HashMap<&str, Vec<&str>> {
+        let mut known = HashSet::new();
+        let mut definitions: HashMap<&str, Vec<&str>> = HashMap::new();
+        // Those of a repeated block are named once for each turn.
+        let values = self.desc.named_values().take(NAMES).filter(|(_, value)| value.literal.is_none());
+        for (name, value) in values {
+            let (file, range) = self.range_of(value.name);
+            if known.insert((file, range.end)) {
+                let behind = &self.text(file)[range.end..];
                 let end = behind.find(['\n', '\r', '{', '}']).unwrap_or(behind.len());
-                value.literal.is_none() && self.names_time(&behind[..end], deep - 1)
-            };
-            matches!(word, "time" | "frame" | "keys") || same.any(|(_, value)| is_changing(value))
-        })
+                definitions.entry(name).or_default().push(&behind[..end]);
+            }
+        }
+        definitions
     }
 
     /// The frame on show.

@@ -430,3 +430,19 @@ fn what_is_repeated_has_its_keys_in_one_text() {
     document.apply(&Edit::set(disks[2], "radius", FieldValue::numbers([3.0]))).unwrap();
     assert_eq!(document.text(), TEXT.replace("{ 0: 1  1: i }", "{ 0: 3  2: i }"));
 }
+
+/// Values that stand for each other, and are named again by each turn, are each looked up once.
+#[test]
+fn names_that_stand_for_names_are_followed_once() {
+    let chain: String = (1..30).map(|i| format!("  let n{i} = n{} + 0 * n{}\n", i - 1, i - 1)).collect();
+    let keying = |first: &str| {
+        let turns =
+            format!("repeat i 20 {{\n  let n0 = {first}\n{chain}  Sphere {{ center i 0 0  radius n29 }}\n}}");
+        let materials = "Materials { Matte red { color 1 0 0 } }";
+        let document = document(&format!("{CAMERA} {materials} Group {{ MaterialIndex red {turns} }}"));
+        let node = document.outline().nodes().iter().find(|node| &*node.keyword == "Sphere").unwrap().id;
+        document.keying(node, "radius", 0)
+    };
+    assert!(matches!(keying("1 + time"), Keying::Fixed(_)));
+    assert_eq!(keying("1 + i"), Keying::Still);
+}
