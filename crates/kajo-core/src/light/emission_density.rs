@@ -42,7 +42,8 @@ const WORTH_BY_AREA: f64 = 1e-3;
 /// The same of a patch that is drawn by solid angle: two ways to draw points are less evenly spread than one. Measured.
 const WORTH_BY_SOLID_ANGLE: f64 = 0.4;
 
-/// The same of a sphere, and of what else is drawn through its silhouette. The half of it that faces away is drawn in vain, and a direction counts by its cosine: together
+/// The same of a sphere, and of what else is drawn through its silhouette. The half of it that faces away is drawn in vain,
+/// and a direction counts by its cosine: together
 /// that is a relative variance of 5/3, where directions into its cap are even.
 const WORTH_ON_SPHERE: f64 = 5.0 / 3.0;
 

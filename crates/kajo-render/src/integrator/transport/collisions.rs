@@ -456,17 +456,26 @@ pub(super) fn travel<'a>(
         Walked { beta, lanes, emitted, is_homogeneous, is_scattered: scattered.is_some() },
         arrives,
     );
-    let at = scattered?;
+    Some(scattered_at(path, coefficients, &ray, scattered?))
+}
+
+/// The path's scattering at a distance along its ray.
+pub(super) fn scattered_at<'a>(
+    path: &mut PathState<'_>,
+    coefficients: &'a Coefficients,
+    ray: &Ray,
+    at: f32,
+) -> MediumInteraction<'a> {
     let p = ray.at(at);
     path.scatter_by_colors(coefficients, p);
-    Some(MediumInteraction {
+    MediumInteraction {
         p,
         wo: -ray.d,
         phase: coefficients.phase(),
         length: at,
         time: ray.time,
         is_subsurface: coefficients.is_subsurface(),
-    })
+    }
 }
 
 /// The integral of `exp(-sigma t)` over a length, by lanes.

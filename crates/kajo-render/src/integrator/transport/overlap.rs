@@ -395,16 +395,7 @@ fn travel_through_all<'a>(
     path.beta *= transmittance(all.absorption, scattered.map_or(length, |(at, _)| at));
     let (at, k) = scattered?;
     let coefficients = all.parts[k].as_ref()?.coefficients;
-    let p = ray.at(at);
-    path.scatter_by_colors(coefficients, p);
-    Some(MediumInteraction {
-        p,
-        wo: -ray.d,
-        phase: coefficients.phase(),
-        length: at,
-        time: ray.time,
-        is_subsurface: coefficients.is_subsurface(),
-    })
+    Some(collisions::scattered_at(path, coefficients, &ray, at))
 }
 
 impl Passage {
