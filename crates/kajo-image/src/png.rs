@@ -7,6 +7,7 @@
 
 use std::io::Cursor;
 
+use ::png::DeflateCompression;
 use ::png::text_metadata::ITXtChunk;
 
 use crate::contained::contained;
@@ -14,6 +15,9 @@ use crate::{BitDepth, DecodeLimits, Decoded, EncodeOptions, Format, Image, Image
 
 /// Longest text that is unpacked, in bytes: a text may be packed a thousandfold.
 const LONGEST_TEXT: usize = 1 << 16;
+
+/// Of zlib. What comes after takes two to four times as long for 3 to 7 % of the bytes of a rendered picture.
+const LEVEL: u8 = 3;
 
 /// The bytes of a PNG file with the channels of `image`.
 ///
@@ -40,6 +44,7 @@ pub fn encode(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageEr
             samples.iter().flat_map(|v| v.to_be_bytes()).collect::<Vec<u8>>()
         }
     };
+    encoder.set_deflate_compression(DeflateCompression::Level(LEVEL));
     if options.quantiser.transfer == Transfer::Srgb {
         encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
         // The value the standard asks for beside sRGB, for programs that know gAMA only.
