@@ -10,6 +10,17 @@ use crate::interaction::Hit;
 /// The corners of a box.
 pub(super) type Corners = [DVec3; 2];
 
+/// A box of single precision around one of double precision.
+pub(super) fn around([low, high]: Corners) -> Aabb {
+    Aabb { min: low.to_array().map(down).into(), max: high.to_array().map(|x| -down(-x)).into() }
+}
+
+/// A number of single precision that is not more.
+pub(super) fn down(x: f64) -> f32 {
+    let single = x as f32;
+    if f64::from(single) > x { single.next_down() } else { single }
+}
+
 /// The piece of a line in a box and in a range of parameters; none where it has no length. Boxes that share a face give both the
 /// same parameter there.
 ///

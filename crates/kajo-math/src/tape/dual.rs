@@ -40,6 +40,11 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
     }
 
     fn unary(self, function: Unary) -> Dual<S, N> {
+        match function {
+            Unary::Sin => return self.sin_cos().0,
+            Unary::Cos => return self.sin_cos().1,
+            _ => {}
+        }
         let (x, one) = (self.value, S::constant(1.0));
         let value = x.unary(function);
         let root_of_rest = || minus(one, x.unary(Unary::Powi(2))).unary(Unary::Sqrt);
@@ -50,8 +55,7 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
             Unary::Sqrt => self.slopes.map(|slope| over(slope, plus(value, value))),
             Unary::Exp => self.scaled(value),
             Unary::Ln => self.slopes.map(|slope| over(slope, x)),
-            Unary::Sin => self.scaled(x.unary(Unary::Cos)),
-            Unary::Cos => self.scaled(x.unary(Unary::Sin).unary(Unary::Neg)),
+            Unary::Sin | Unary::Cos => self.slopes, // See above.
             Unary::Tan => self.scaled(plus(one, value.unary(Unary::Powi(2)))),
             Unary::Asin => self.slopes.map(|slope| over(slope, root_of_rest())),
             Unary::Acos => self.slopes.map(|slope| over(slope, root_of_rest()).unary(Unary::Neg)),
@@ -60,6 +64,13 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
             Unary::Powi(n) => self.scaled(times(S::constant(n.into()), x.unary(Unary::Powi(n - 1)))),
         };
         Dual { value, slopes }
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Dual<S, N>, Dual<S, N>) {
+        let (sin, cos) = self.value.sin_cos();
+        let falls = sin.unary(Unary::Neg);
+        (Dual { value: sin, slopes: self.scaled(cos) }, Dual { value: cos, slopes: self.scaled(falls) })
     }
 
     fn binary(self, function: Binary, other: Dual<S, N>) -> Dual<S, N> {

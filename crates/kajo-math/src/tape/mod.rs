@@ -95,6 +95,10 @@ enum Operation {
     Variable(u32),
     Unary(Unary, u32),
     Binary(Binary, u32, u32),
+    /// Sine and cosine of the first, which are worked out together: their own results.
+    SinCos(u32, [u32; 2]),
+    /// The result is there already.
+    Done,
 }
 
 /// A function as a list of operations; see the head of this module.
@@ -110,17 +114,32 @@ impl Tape {
     /// * `variables`: their values; one that is not there is zero
     /// * `slots`: memory that may be used again
     pub fn at<S: Scalar>(&self, variables: &[S], slots: &mut Vec<S>) -> S {
-        slots.clear();
-        for operation in &self.operations {
-            let value = match *operation {
+        let zero = S::constant(0.0);
+        if slots.len() < self.operations.len() {
+            slots.resize(self.operations.len(), zero);
+        }
+        let slots = &mut slots[..self.operations.len()];
+        let mut value = zero;
+        for (i, operation) in self.operations.iter().enumerate() {
+            value = match *operation {
                 Operation::Constant(bits) => S::constant(f64::from_bits(bits)),
-                Operation::Variable(i) => variables.get(i as usize).copied().unwrap_or(S::constant(0.0)),
+                Operation::Variable(i) => variables.get(i as usize).copied().unwrap_or(zero),
                 Operation::Unary(function, a) => slots[a as usize].unary(function),
                 Operation::Binary(function, a, b) => slots[a as usize].binary(function, slots[b as usize]),
+                Operation::SinCos(a, [sine, cosine]) => {
+                    let (sin, cos) = slots[a as usize].sin_cos();
+                    slots[sine as usize] = sin;
+                    slots[cosine as usize] = cos;
+                    continue;
+                }
+                Operation::Done => {
+                    value = slots[i];
+                    continue;
+                }
             };
-            slots.push(value);
+            slots[i] = value;
         }
-        slots.last().copied().unwrap_or(S::constant(0.0))
+        value
     }
 
     /// How many operations it takes.
@@ -236,11 +255,31 @@ impl TapeBuilder {
         self.binary(Binary::Mul, a, b)
     }
 
+    /// Sines and cosines of the same become one operation.
+    fn join_angles(&mut self) {
+        for i in 0..self.operations.len() {
+            let Operation::Unary(function @ (Unary::Sin | Unary::Cos), a) = self.operations[i] else {
+                continue;
+            };
+            let other = if function == Unary::Sin { Unary::Cos } else { Unary::Sin };
+            // Of equal operations there is one.
+            let later = self.operations[i..].iter().position(|later| *later == Operation::Unary(other, a));
+            let Some(later) = later else { continue };
+            let mut both = [i as u32, (i + later) as u32];
+            if function == Unary::Cos {
+                both.reverse();
+            }
+            self.operations[i] = Operation::SinCos(a, both);
+            self.operations[i + later] = Operation::Done;
+        }
+    }
+
     /// The function whose value `result` is.
     pub fn finish(mut self, result: Node) -> Tape {
         let slot = self.slot(result) as usize;
         // Whatever came later belongs to nothing.
         self.operations.truncate(slot + 1);
+        self.join_angles();
         Tape { operations: self.operations }
     }
 }

@@ -12,6 +12,12 @@ pub trait Scalar: Copy {
     /// A function of one of them.
     fn unary(self, function: Unary) -> Self;
 
+    /// Its sine and its cosine, as [`Scalar::unary`] has them.
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.unary(Unary::Sin), self.unary(Unary::Cos))
+    }
+
     /// A function of two of them.
     fn binary(self, function: Binary, other: Self) -> Self;
 
@@ -54,6 +60,11 @@ impl Scalar for f64 {
             Unary::Atan => fmath::atan64(self),
             Unary::Powi(n) => whole_power(self, n),
         }
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (f64, f64) {
+        fmath::sincos64(self)
     }
 
     #[inline]

@@ -136,6 +136,40 @@ fn constants_are_folded_and_equal_operations_are_one() {
     assert_eq!(TapeBuilder::new().finish(Node::Constant(4.0)).at::<f64>(&[], &mut Vec::new()), 4.0);
 }
 
+/// Sines and cosines of the same are worked out together, and have the bits they have alone.
+#[test]
+fn angles_are_joined() {
+    for cosine_first in [false, true] {
+        let mut builder = TapeBuilder::new();
+        let x = builder.variable(0);
+        let mut functions = [Unary::Sin, Unary::Cos];
+        if cosine_first {
+            functions.reverse();
+        }
+        let [a, b] = functions.map(|function| builder.unary(function, x));
+        let tripled = builder.mul(a, Node::Constant(3.0));
+        let result = builder.binary(Binary::Sub, tripled, b);
+        let tape = builder.finish(result);
+        assert_eq!(tape.operations.iter().filter(|operation| **operation == Operation::Done).count(), 1);
+        let mut slots = Vec::new();
+        for x in positions(Interval::new(-20.0, 20.0)).chain([0.0, 1e-9, -1e-8, 2e-8, 1e300, f64::INFINITY]) {
+            let [first, second] = functions.map(|function| x.unary(function));
+            let expected = 3.0 * first - second;
+            assert_eq!(tape.at(&[x], &mut slots).to_bits(), expected.to_bits(), "{x}");
+        }
+        let x = Dual { value: 0.7, slopes: [2.0] };
+        let [first, second] = functions.map(|function| x.unary(function));
+        let dual = tape.at(&[x], &mut Vec::new());
+        let slope = first.slopes[0] * 3.0 + first.value * 0.0 - second.slopes[0];
+        assert_eq!((dual.value, dual.slopes), (3.0 * first.value - second.value, [slope]));
+        // The last result may be of the pair.
+        let mut builder = TapeBuilder::new();
+        let x = builder.variable(0);
+        let [_, last] = functions.map(|function| builder.unary(function, x));
+        assert_eq!(builder.finish(last).at(&[0.3], &mut slots), 0.3_f64.unary(functions[1]));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 

@@ -7,6 +7,7 @@ use kajo_math::tape::{Curvature, Dual, Tape};
 use kajo_math::{Aabb, DVec3};
 
 use super::{Ray64, box_faces};
+use crate::shape::box_faces::down;
 
 /// The box is halved along each axis at most this often.
 const MOST_LEVELS: u32 = 9;
@@ -39,12 +40,22 @@ pub(super) struct Cell {
 
 impl Cell {
     /// Bounds on the change of the function along a direction.
-    pub fn slope_along(&self, d: DVec3) -> Interval {
-        let along = |axis: usize| {
-            let [lo, hi] = self.slopes[axis].map(f64::from);
-            Interval::new(lo, hi) * Interval::point(d[axis])
-        };
-        along(0) + along(1) + along(2)
+    #[inline]
+    pub fn slope_along(&self, d: DVec3) -> [f64; 2] {
+        /// More than the roundings of three products and their sum.
+        const ROUNDING: f64 = 8.0 * f64::EPSILON;
+        let (mut lo, mut hi, mut size) = (0.0, 0.0, 0.0);
+        for axis in 0..3 {
+            let d = d[axis];
+            // Bounds may be infinite.
+            if d != 0.0 {
+                let [a, b] = self.slopes[axis].map(|slope| f64::from(slope) * d);
+                lo += a.min(b);
+                hi += a.max(b);
+                size += a.abs().max(b.abs());
+            }
+        }
+        [lo - ROUNDING * size, hi + ROUNDING * size]
     }
 
     /// Bound on the second derivative along a direction; infinite where nothing is known.
@@ -140,11 +151,7 @@ impl Cells {
     /// A box of single precision around a cell.
     pub fn bounds(&self, cell: &Cell) -> Aabb {
         let ends = [0, 1, 2].map(|axis| self.ends(cell, axis));
-        let corner = |i: usize| DVec3::from_array(ends.map(|ends| ends[i]));
-        Aabb {
-            min: corner(0).to_array().map(down).into(),
-            max: corner(1).to_array().map(|x| -down(-x)).into(),
-        }
+        box_faces::around([0, 1].map(|i| DVec3::from_array(ends.map(|ends| ends[i]))))
     }
 
     /// The piece of a line in a cell and in a range of parameters; none where it has no length.
@@ -175,12 +182,6 @@ impl Cell {
         let low = [0, 1, 2].map(|axis| self.low[axis] + (i >> axis & 1) * half);
         Cell { low, size: half, ..*self }
     }
-}
-
-/// A number of single precision that is not more.
-fn down(x: f64) -> f32 {
-    let single = x as f32;
-    if f64::from(single) > x { single.next_down() } else { single }
 }
 
 /// Evaluates a function over boxes.

@@ -63,6 +63,9 @@ struct Passage<'a> {
     work: u32,
 }
 
+/// More than that of a sum, in parts of its terms.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Halvings of a ray's passages at most. A ray that touches a surface needs some forty.
 const MOST_WORK: u32 = 2048;
 
@@ -169,16 +172,23 @@ impl Passage<'_> {
         at_a: f64,
         visit: &mut impl FnMut(f64) -> bool,
     ) -> (Option<f64>, bool) {
-        let slope = cell.slope_along(self.line.d);
-        let reach = slope * Interval::new(0.0, b - a) + Interval::point(at_a);
+        let [rise, most] = cell.slope_along(self.line.d);
         // As sharp as the bounds of the cell itself, but for this ray.
-        if reach.lo > 0.0 || reach.hi < 0.0 {
+        let length = (b - a) * (1.0 + ROUNDING);
+        let rounding = ROUNDING * at_a.abs();
+        if at_a + rise.min(0.0) * length > rounding || at_a + most.max(0.0) * length < -rounding {
             return (None, false);
         }
-        if slope.lo > 0.0 || slope.hi < 0.0 {
+        if rise > 0.0 || most < 0.0 {
             let at_b = self.value(b);
             let changes = (at_a < 0.0) != (at_b < 0.0);
-            return (Some(at_b), changes && visit(self.single_root([a, b], [at_a, at_b])));
+            let least = rise.max(-most);
+            let curvature = cell.curvature_along(self.line.d);
+            let root = || match curvature.is_finite() {
+                true => self.steep_root([a, b], [at_a, at_b], least, curvature),
+                false => self.single_root([a, b], [at_a, at_b]),
+            };
+            return (Some(at_b), changes && visit(root()));
         }
         let curvature = cell.curvature_along(self.line.d);
         if curvature.is_finite() {
@@ -242,13 +252,47 @@ impl Passage<'_> {
 
     /// The crossing between two parameters at whose ends the function has different signs.
     fn single_root(&self, [a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
-        let secant = a + (b - a) * (at_a / (at_a - at_b));
-        let start = if secant > a && secant < b { secant } else { 0.5 * (a + b) };
+        let start = start_of([a, b], [at_a, at_b]);
+        roots::bracketed([a, b], start, at_a < 0.0, self.tolerance([a, b]), |t| self.value_and_slope(t))
+    }
+
+    /// The same where the function rises or falls all along.
+    ///
+    /// A step of Newton's method from `t` lands at a distance of at most `c f(t)^2 / (2 m^3)` from the root where the second
+    /// derivative is at most `c` and the slope at least `m`: so the last step needs no look at where it lands.
+    ///
+    /// * `least`: a bound from below on how steep it is
+    /// * `curvature`: a bound on its second derivative
+    fn steep_root(&self, [a, b]: [f64; 2], [at_a, at_b]: [f64; 2], least: f64, curvature: f64) -> f64 {
+        const MOST_STEPS: u32 = 8;
+        let tolerance = self.tolerance([a, b]) * a.abs().max(b.abs());
+        let mut t = start_of([a, b], [at_a, at_b]);
+        for _ in 0..MOST_STEPS {
+            let (value, slope) = self.value_and_slope(t);
+            let newton = t - value / slope;
+            if !(newton > a && newton < b) {
+                break;
+            }
+            if curvature * value * value <= 2.0 * tolerance * least * least * least {
+                return newton;
+            }
+            t = newton;
+        }
+        self.single_root([a, b], [at_a, at_b])
+    }
+
+    /// How exact a crossing has to be, in parts of the parameter.
+    fn tolerance(&self, [a, b]: [f64; 2]) -> f64 {
         /// Of the box's coordinates; some places more than single precision has, and fewer than rounding leaves.
         const TOLERANCE: f64 = 1e-13;
-        let tolerance = (TOLERANCE * self.parts.reach / a.abs().max(b.abs())).max(4.0 * f64::EPSILON);
-        roots::bracketed([a, b], start, at_a < 0.0, tolerance, |t| self.value_and_slope(t))
+        (TOLERANCE * self.parts.reach / a.abs().max(b.abs())).max(4.0 * f64::EPSILON)
     }
+}
+
+/// Where to begin to look for the crossing between two parameters with these values: where their chord has it.
+fn start_of([a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
+    let secant = a + (b - a) * (at_a / (at_a - at_b));
+    if secant > a && secant < b { secant } else { 0.5 * (a + b) }
 }
 
 /// Whether nothing is left to halve.
@@ -300,6 +344,23 @@ impl Surface for Isosurface {
         nearest.or_else(|| faces.and_then(|[_, back]| parts.cap(ray, &line, back)))
     }
 
+    fn blocks(&self, ray: &Ray) -> bool {
+        let parts = &*self.0;
+        let line = Ray64::new(ray);
+        let faces = if parts.closed { parts.faces(&line) } else { None };
+        let mut passage = Passage { parts, line: &line, work: MOST_WORK };
+        let range = [f64::from(ray.t_min), f64::from(ray.t_max)];
+        let is_capped = || faces.into_iter().flatten().any(|face| parts.cap(ray, &line, face).is_some());
+        is_capped()
+            || parts.tree.any(ray, |index| {
+                let cell = &parts.cells[index];
+                parts.cells.clip(cell, &line, range).is_some_and(|piece| {
+                    let at_a = passage.value(piece[0]);
+                    passage.cross(cell, piece, at_a, &mut |t| in_range(ray, t).is_some()).1
+                })
+            })
+    }
+
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
         let parts = &*self.0;
         let line = Ray64::new(ray);
@@ -338,16 +399,23 @@ impl Surface for Isosurface {
             let (p, p_error) = stored(p, self.0.reach);
             return SurfacePoint::flat(p, p_error, n.as_vec3());
         }
-        let longest = 1e-4 * self.0.reach;
-        for _ in 0..STEPS {
-            let (value, gradient) = self.gradient(p);
+        let [shortest, longest] = [1e-13, 1e-4].map(|part| part * self.0.reach);
+        let mut gradient = DVec3::ZERO;
+        for step_number in 0..=STEPS {
+            let value;
+            (value, gradient) = self.gradient(p);
             let step = value / gradient.length_squared() * gradient;
+            let length = step.length();
+            // Rounding is more, and the normal stays what it is.
+            if step_number == STEPS || length < shortest {
+                break;
+            }
             // Not across a jump of the function.
-            if step.length() < longest {
+            if length < longest {
                 p -= step;
             }
         }
-        let n = self.gradient(p).1.normalize_or(-Ray64::new(ray).d.normalize_or(DVec3::Z));
+        let n = gradient.normalize_or(-Ray64::new(ray).d.normalize_or(DVec3::Z));
         let (p, p_error) = stored(p, self.0.reach);
         SurfacePoint::flat(p, p_error, n.as_vec3())
     }

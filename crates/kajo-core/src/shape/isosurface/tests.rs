@@ -198,3 +198,29 @@ fn normals_are_gradients() {
         Isosurface::new(Arc::new(sine.finish(wave)), Vec3::splat(-4.0), Vec3::splat(4.0), true).unwrap();
     assert_eq!(wave.gradient(DVec3::new(0.0, 1.0, 2.0)), (0.0, DVec3::X));
 }
+
+/// What is in the way of a ray is what it hits, wherever it begins and ends.
+#[test]
+fn rays_are_blocked_by_what_they_hit() {
+    let mut blocked = 0;
+    for function in [
+        "sin(5*x)*cos(4*y) + sin(5*y)*cos(4*z)",
+        "x^2 + y^2 - 0.25",
+        "abs(x) + abs(y) + abs(z) - 0.7",
+        "sqrt(x) - y",
+    ] {
+        for closed in [false, true] {
+            let surface = surface(function, 1.0, closed);
+            for i in 0..4000 {
+                let s = Stream::new(103, [i, 0], 0);
+                let point = |k: u32| Vec3::from_array([k, k + 1, k + 2].map(|k| 4.0 * s.uniform(k) - 2.0));
+                let (o, to) = (point(0), point(3));
+                let ray = Ray::new(o, to - o).over(0.0, 2.0 * s.uniform(6));
+                let is_hit = surface.hit(&ray).is_some();
+                blocked += usize::from(is_hit);
+                assert_eq!(surface.blocks(&ray), is_hit, "{function}: ray {i}");
+            }
+        }
+    }
+    assert!(blocked > 2000);
+}
