@@ -125,14 +125,8 @@ impl Term {
     }
 
     /// What it is made around.
-    #[cfg(test)]
     pub fn core(&self) -> BlobCore {
         self.core
-    }
-
-    /// Whether it is around a point.
-    pub fn is_ball(&self) -> bool {
-        matches!(self.core, BlobCore::Ball(_))
     }
 
     /// Whether it says nothing from some distance on; half spaces have no end.

@@ -15,25 +15,26 @@
 //! ends. A piece whose sum cannot reach the threshold holds no crossing, one on which the derivative cannot vanish holds one
 //! or none, and any other is halved: every crossing is found, and none that is not there [Mitchell 1990].
 //!
-//! POV-Ray's kernel around balls needs no bounds. With `u = d^2 / r^2` and `f`, `l` where the ray comes into a component's reach and
-//! leaves it, `1 - u = |d|^2 (t - f) (l - t) / r^2`, whose square is a quartic in `t`; so is the sum between two such
-//! places, and its roots are isolated by Bernstein coefficients.
+//! POV-Ray's kernel around balls needs no bounds: along a ray it is a quartic, and what of space a surface may pass is known
+//! before anything is rendered ([`quartic`]).
 //!
 //! Scene: `Blob { threshold 0.5  sphere { center 0 0 0  radius 1 }  sphere { center 1.2 0 0  radius 1 } }`
 
 mod cell;
 mod extent;
 mod field;
+mod quartic;
 
 use std::cell::RefCell;
 use std::sync::Arc;
 
 use kajo_bvh::{BuildSettings, Bvh};
-use kajo_math::roots::{bracketed, sign_changes_until};
+use kajo_math::roots::bracketed;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
 use self::extent::Extent;
 use self::field::{Term, sum_of_bounds};
+use self::quartic::{QuarticCells, QuarticScratch};
 use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 pub use field::{BlobComponent, BlobCore, BlobKernel, MOST_MATERIALS};
@@ -62,8 +63,8 @@ struct Parts {
     reach: f64,
     /// More than all the strengths' rounding.
     rounding: f64,
-    /// Whether the field along a ray is a quartic between the borders of components.
-    is_quartic: bool,
+    /// Where the field along a ray is a quartic between the borders of components.
+    quartic: Option<QuarticCells>,
     /// How many materials there are.
     materials: usize,
 }
@@ -74,21 +75,6 @@ struct Passage {
     term: u32,
     from: f64,
     to: f64,
-    /// Of a ball: what makes `1 - u` of the distances to both ends, and its strength.
-    scale: f64,
-    strength: f64,
-}
-
-impl Passage {
-    /// Adds the quartic of a ball on a piece of the ray within this, by Bernstein coefficients.
-    fn add_quartic(&self, [a, b]: [f64; 2], sum: &mut [f64; 5]) {
-        let [from_a, from_b] = [a, b].map(|t| (t - self.from).max(0.0));
-        let [to_a, to_b] = [a, b].map(|t| (self.to - t).max(0.0));
-        let [v0, v1, v2] =
-            [from_a * to_a, 0.5 * (from_a * to_b + from_b * to_a), from_b * to_b].map(|v| self.scale * v);
-        let square = [v0 * v0, v0 * v1, (v0 * v2 + 2.0 * v1 * v1) / 3.0, v1 * v2, v2 * v2];
-        sum.iter_mut().zip(square).for_each(|(sum, v)| *sum += self.strength * v);
-    }
 }
 
 /// Memory that rays use again and again.
@@ -102,6 +88,7 @@ struct Scratch {
     roots: Vec<f64>,
     /// Components near a point.
     near: Vec<u32>,
+    quartic: QuarticScratch,
     /// Crossings on their way to who asked for them.
     found: Vec<Hit>,
 }
@@ -148,7 +135,10 @@ impl Blob {
         let strengths: f64 = components.iter().map(|component| component.strength.abs()).sum();
         let rounding = 64.0 * f64::EPSILON * (strengths + threshold);
         let reach = if bounds.is_empty() { 0.0 } else { far.into() };
-        let is_quartic = kernel == BlobKernel::Povray && terms.iter().all(Term::is_ball);
+        let quartic = match kernel {
+            BlobKernel::Povray => QuarticCells::new(&terms, threshold, bounds, rounding),
+            _ => None,
+        };
         let materials = terms.iter().map(|term| term.material + 1).max().unwrap_or(1);
         Some(Blob(Arc::new(Parts {
             kernel,
@@ -159,7 +149,7 @@ impl Blob {
             bounds,
             reach,
             rounding,
-            is_quartic,
+            quartic,
             materials,
         })))
     }
@@ -169,6 +159,23 @@ impl Blob {
         SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
             self.0.find_near(p, self.0.margin(p), near);
             self.0.sum_of(near, p)
+        })
+    }
+
+    /// [`descend`] by the components that the tree finds.
+    fn descend_with_tree(&self, p: DVec3) -> (DVec3, DVec3) {
+        let parts = &*self.0;
+        SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
+            let (mut found_at, margin) = (p, parts.margin(p));
+            parts.find_near(p, 2.0 * margin, near);
+            let found = descend(p, |p| {
+                if p.distance(found_at) > margin {
+                    parts.find_near(p, 2.0 * margin, near);
+                    found_at = p;
+                }
+                Some(parts.sum_of(near, p))
+            });
+            found.unwrap_or((p, DVec3::Z))
         })
     }
 
@@ -193,6 +200,23 @@ impl Blob {
             if sum > 0.0 { (field / sum) as f32 } else { 0.0 }
         })
     }
+}
+
+/// A point brought onto the surface along the gradient, and the outward normal there; `None` where the field is not known.
+///
+/// * `field`: its value less the threshold, and its gradient
+#[inline]
+fn descend(mut p: DVec3, mut field: impl FnMut(DVec3) -> Option<(f64, DVec3)>) -> Option<(DVec3, DVec3)> {
+    const STEPS: u32 = 2;
+    for _ in 0..STEPS {
+        let (value, gradient) = field(p)?;
+        let length2 = gradient.length_squared();
+        if length2 > 0.0 {
+            p -= value / length2 * gradient;
+        }
+    }
+    let (_, gradient) = field(p)?;
+    Some((p, (-gradient).normalize_or(DVec3::Z)))
 }
 
 impl Parts {
@@ -226,6 +250,9 @@ impl Parts {
 
     /// Visits all crossings within a ray's range, in ascending order, until `visit` says that it is enough.
     fn crossings(&self, ray: &Ray, mut visit: impl FnMut(f64) -> bool) {
+        if let Some(cells) = &self.quartic {
+            return SCRATCH.with_borrow_mut(|scratch| cells.all(ray, &mut scratch.quartic, visit));
+        }
         let is_bounded = self.bounds.is_finite();
         let clipped = if is_bounded { self.bounds.clip(ray) } else { Some((ray.t_min, ray.t_max)) };
         let Some((near, far)) = clipped else { return };
@@ -253,16 +280,6 @@ impl Parts {
                 }
                 let overlaps = |passage: &&Passage| passage.from < to && passage.to > from;
                 let active = scratch.passages.iter().filter(overlaps);
-                if self.is_quartic {
-                    let mut sum = [-self.threshold; 5];
-                    active.for_each(|passage| passage.add_quartic([from, to], &mut sum));
-                    sum[0] = before.unwrap_or(sum[0]);
-                    if sign_changes_until(&sum, |s| visit(from + s * (to - from))) {
-                        break;
-                    }
-                    (from, before) = (to, Some(sum[4]));
-                    continue;
-                }
                 scratch.active.clear();
                 scratch.active.extend(active.map(|passage| self.terms[passage.term as usize]));
                 let span = RaySpan { parts: self, line: &line, terms: &scratch.active };
@@ -288,8 +305,7 @@ impl Parts {
         let mut add = |i: u32| {
             let term = &self.terms[i as usize];
             if let Some([from, to]) = term.extent_along(line.o, line.d) {
-                let (scale, strength) = (term.inverse2() * line.d.dot(line.d), term.strength());
-                passages.push(Passage { term: i, from, to, scale, strength });
+                passages.push(Passage { term: i, from, to });
                 borders.extend([from, to]);
                 borders.extend(term.flat_from(line.o, line.d));
             }
@@ -368,12 +384,23 @@ impl Surface for Blob {
     }
 
     fn hit(&self, ray: &Ray) -> Option<Hit> {
+        if let Some(cells) = &self.0.quartic {
+            let (t, cell) = SCRATCH.with_borrow_mut(|scratch| cells.nearest(ray, &mut scratch.quartic))?;
+            return Some(Hit { t, u: cell as f32, ..Hit::default() });
+        }
         let mut first = None;
         self.0.crossings(ray, |t| {
             first = in_range(ray, t).map(|t| Hit { t, ..Hit::default() });
             first.is_some()
         });
         first
+    }
+
+    fn blocks(&self, ray: &Ray) -> bool {
+        match &self.0.quartic {
+            Some(cells) => SCRATCH.with_borrow_mut(|scratch| cells.any(ray, &mut scratch.quartic)),
+            None => self.hit(ray).is_some(),
+        }
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
@@ -389,28 +416,13 @@ impl Surface for Blob {
 
     /// The point is brought onto the surface along the gradient.
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        const STEPS: u32 = 2;
-        let parts = &*self.0;
-        let mut p = Ray64::new(ray).at(hit.t.into());
-        let n = SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
-            let (mut found_at, margin) = (p, parts.margin(p));
-            parts.find_near(p, 2.0 * margin, near);
-            for step in 0..=STEPS {
-                if p.distance(found_at) > margin {
-                    parts.find_near(p, 2.0 * margin, near);
-                    found_at = p;
-                }
-                let (value, gradient) = parts.sum_of(near, p);
-                let length2 = gradient.length_squared();
-                if step == STEPS {
-                    return (-gradient).normalize_or(DVec3::Z);
-                }
-                if length2 > 0.0 {
-                    p -= value / length2 * gradient;
-                }
-            }
-            DVec3::Z
+        let p = Ray64::new(ray).at(hit.t.into());
+        let in_cell = self.0.quartic.as_ref().and_then(|cells| {
+            // Where single precision takes the number for another one, that cell is not near.
+            let cell = hit.u as u32;
+            descend(p, |p| cells.field_near(cell, p))
         });
+        let (p, n) = in_cell.unwrap_or_else(|| self.descend_with_tree(p));
         let (p, p_error) = stored(p, self.0.reach);
         SurfacePoint::flat(p, p_error, n.as_vec3())
     }
@@ -482,6 +494,7 @@ impl Surface for Blob {
             + size_of_val(&*self.0.terms)
             + size_of_val(&*self.0.unbounded)
             + self.0.tree.as_ref().map_or(0, |tree| tree.stats().bytes)
+            + self.0.quartic.as_ref().map_or(0, QuarticCells::heap_bytes)
     }
 }
 

@@ -327,3 +327,50 @@ fn materials_have_shares_by_their_fields() {
     );
     assert!(Blob::new(BlobKernel::Gaussian, 1.0, &[of(0.0, 2.0, MOST_MATERIALS)]).is_none());
 }
+
+/// The cells of a quartic blob find what bounds on all of it find, and what is in the way of a ray is what it hits; from within
+/// the cell of a hit the field has the bits of the sum over all components.
+#[test]
+fn cells_agree_with_bounds() {
+    let mut hits = 0;
+    for n in [1, 7, 41, 301] {
+        let blob = random(n, BlobKernel::Povray);
+        let cells = blob.0.quartic.as_ref().unwrap();
+        let Parts { kernel, threshold, terms, .. } = &*blob.0;
+        for i in 0..2000 {
+            let s = Stream::new(107, [i, n], 0);
+            let u = |k| Vec2::new(s.uniform(k), s.uniform(k + 1));
+            let d = warp::uniform_sphere(u(0));
+            let from = 4.0 * s.uniform(5);
+            let ray = Ray::new(warp::uniform_sphere(u(2)) * s.uniform(4) - from * d, d)
+                .over(0.0, 6.0 * s.uniform(6));
+            let hit = blob.hit(&ray);
+            assert_eq!(blob.blocks(&ray), hit.is_some(), "{n}: ray {i}");
+            let mut first = None;
+            blob.crossings(&ray, |hit| first = first.or(Some(hit.t)));
+            assert_eq!(hit.map(|hit| hit.t), first, "{n}: ray {i}");
+            let Some(hit) = hit else { continue };
+            hits += 1;
+            let p = Ray64::new(&ray).at(hit.t.into());
+            let (value, gradient) = cells.field_near(hit.u as u32, p).unwrap();
+            let whole = terms
+                .iter()
+                .map(|term| term.at(*kernel, p))
+                .fold((-threshold, DVec3::ZERO), |sum, at| (sum.0 + at.0, sum.1 + at.1));
+            assert_eq!((value, gradient), whole, "{n}: ray {i}");
+            assert!(value.abs() < 1e-4, "{value}");
+        }
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+/// A surface that is one point, or none but for rounding, ends the search for cells.
+#[test]
+fn surfaces_that_are_hardly_there_have_few_cells() {
+    for strength in [0.5, 0.5 + 1e-15, 0.5 - 1e-15] {
+        let blob = Blob::new(BlobKernel::Povray, 0.5, &[ball(0.3, strength)]).unwrap();
+        assert!(blob.heap_bytes() < 1 << 16);
+        let found = along_x(&blob, 0.0);
+        assert!(found.is_empty() || found.len() == 2, "{found:?}");
+    }
+}
