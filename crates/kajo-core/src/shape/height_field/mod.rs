@@ -95,6 +95,10 @@ struct Parts {
     /// The corner with the least x and z, and the sides.
     corner: DVec2,
     size: DVec2,
+    /// Sides of a cell.
+    cell_size: DVec2,
+    /// Lowest and highest y that rays are followed in.
+    y_range: [f64; 2],
     base: Option<f64>,
     smooth: bool,
 }
@@ -132,7 +136,10 @@ impl HeightField {
         if base.is_some_and(|base| base >= bounds.all()[1].into()) {
             return Err(HeightFieldError::BelowBase);
         }
-        Ok(HeightField(Arc::new(Parts { grid, bounds, corner, size, base, smooth })))
+        let [columns, rows] = grid.cells();
+        let cell_size = size / DVec2::new(columns.into(), rows.into());
+        let y_range = Parts::y_range(bounds.all().map(f64::from), base, cell_size);
+        Ok(HeightField(Arc::new(Parts { grid, bounds, corner, size, cell_size, y_range, base, smooth })))
     }
 
     /// Bytes that a field of so many points takes.
@@ -193,15 +200,9 @@ impl Cell {
 }
 
 impl Parts {
-    /// Sides of a cell.
-    fn cell_size(&self) -> DVec2 {
-        let [columns, rows] = self.grid.cells();
-        self.size / DVec2::new(columns.into(), rows.into())
-    }
-
     /// The cell over which a point is, or the nearest one, and where in it.
     fn locate(&self, x: f64, z: f64) -> ([u32; 2], DVec2) {
-        let g = (DVec2::new(x, z) - self.corner) / self.cell_size();
+        let g = (DVec2::new(x, z) - self.corner) / self.cell_size;
         let place = |g: f64, cells: u32| {
             let cell = (g.max(0.0) as u32).min(cells - 1);
             (cell, (g - f64::from(cell)).clamp(0.0, 1.0))
@@ -211,11 +212,16 @@ impl Parts {
         ([i, j], DVec2::new(u, v))
     }
 
+    fn height(&self, x: f64, z: f64) -> f64 {
+        let (cell, uv) = self.locate(x, z);
+        Cell::new(self.grid.corners(cell)).at(uv.x, uv.y)
+    }
+
     /// Height, and its derivatives by x and z.
     fn height_and_slopes(&self, x: f64, z: f64) -> (f64, DVec2) {
         let (cell, uv) = self.locate(x, z);
         let cell = Cell::new(self.grid.corners(cell));
-        let slopes = DVec2::new(cell.a + cell.c * uv.y, cell.b + cell.c * uv.x) / self.cell_size();
+        let slopes = DVec2::new(cell.a + cell.c * uv.y, cell.b + cell.c * uv.x) / self.cell_size;
         (cell.at(uv.x, uv.y), slopes)
     }
 
@@ -228,7 +234,7 @@ impl Parts {
             let (north, south) = (j.saturating_sub(1), (j + 1).min(self.grid.rows - 1));
             let across = slope(self.grid.at(west, j), self.grid.at(east, j), east - west);
             let along = slope(self.grid.at(i, north), self.grid.at(i, south), south - north);
-            DVec2::new(across, along) / self.cell_size()
+            DVec2::new(across, along) / self.cell_size
         };
         let near = at(i, j).lerp(at(i + 1, j), uv.x);
         near.lerp(at(i, j + 1).lerp(at(i + 1, j + 1), uv.x), uv.y)

@@ -87,7 +87,7 @@ fn rays_along_the_grid_leave_as_often_as_they_enter() {
         let corner = |k: u32| {
             let pick = |k: u32, n: u32| ((s.uniform(k) * n as f32) as u32).min(n - 1);
             let (x, z) = (pick(k, columns), pick(k + 1, rows));
-            let cell = field.0.cell_size();
+            let cell = field.0.cell_size;
             let at = field.0.corner + DVec2::new(x.into(), z.into()) * cell;
             (Vec3::new(at.x as f32, field.0.grid.at(x, z), at.y as f32), [x, z])
         };

@@ -1,6 +1,6 @@
 //! The way of a ray through the blocks and cells of a height field.
 
-use kajo_math::{DVec3, Ray, roots};
+use kajo_math::{DVec2, DVec3, Ray, roots};
 
 use super::{Cell, FLOOR, Parts, SURFACE};
 use crate::shape::Ray64;
@@ -30,6 +30,8 @@ struct CellWalk<'a, V> {
     parts: &'a Parts,
     o: DVec3,
     d: DVec3,
+    /// Those across x and across z.
+    lines: [Lines; 2],
     /// Ray parameter at `o`.
     from: f64,
     /// Whether the surface is above the ray.
@@ -38,16 +40,52 @@ struct CellWalk<'a, V> {
     visit: V,
 }
 
+/// The lines of the grid across an axis, as a ray meets them.
+struct Lines {
+    /// Where the ray begins.
+    o: f64,
+    /// One over its direction; infinite for a ray along them.
+    inverse: f64,
+    /// Whether it goes backwards.
+    is_back: bool,
+    /// How many cells there are.
+    count: u32,
+}
+
+impl Lines {
+    /// Where the ray is on a line. One along it, or of a grid that has no cells behind it, has it all after or before it.
+    #[inline(always)]
+    fn crossing(&self, line: u32) -> f64 {
+        if line >= self.count {
+            return if self.is_back { f64::NEG_INFINITY } else { f64::INFINITY };
+        }
+        let off = f64::from(line) - self.o;
+        if self.inverse.is_infinite() {
+            return if off > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        }
+        off * self.inverse
+    }
+
+    /// On which side of a line the ray is before a parameter.
+    ///
+    /// * `met`: where it is on the line
+    #[inline(always)]
+    fn side(&self, met: f64, before: f64) -> u32 {
+        u32::from((before > met) != self.is_back)
+    }
+}
+
 impl Parts {
     /// Visits all crossings of a ray from its least parameter on, in their order, until `visit` has enough.
     pub(super) fn walk(&self, ray: &Ray, mut visit: impl FnMut(f64, u32) -> bool) {
         let line = Ray64::new(ray);
-        let Some(span) = self.span(ray, &line) else { return };
-        let (start, cell) = (line.at(span.lo), self.cell_size());
+        let inverse = line.d.recip();
+        let Some(span) = self.span(ray, &line, inverse) else { return };
+        let (start, cell) = (line.at(span.lo), self.cell_size);
         let o = DVec3::new((start.x - self.corner.x) / cell.x, start.y, (start.z - self.corner.y) / cell.y);
         let d = DVec3::new(line.d.x / cell.x, line.d.y, line.d.z / cell.y);
         let is_solid = self.base.is_some();
-        let is_below = span.enters != Some(Face::Top) && start.y < self.height_and_slopes(start.x, start.z).0;
+        let is_below = span.enters != Some(Face::Top) && start.y < self.height(start.x, start.z);
         if let Some(Face::Side(part)) = span.enters
             && is_solid
             && is_below
@@ -55,8 +93,16 @@ impl Parts {
         {
             return;
         }
-        let mut way = CellWalk { parts: self, o, d, from: span.lo, is_below, visit };
-        if way.block(self.bounds.top(), [0, 0], [0.0, span.hi - span.lo]) || !way.is_below {
+        let [columns, rows] = self.grid.cells();
+        let lines = |o: f64, inverse: f64, count: u32| Lines {
+            o,
+            inverse,
+            is_back: inverse.is_finite() && inverse < 0.0,
+            count,
+        };
+        let lines = [lines(o.x, inverse.x * cell.x, columns), lines(o.z, inverse.z * cell.y, rows)];
+        let mut way = CellWalk { parts: self, o, d, lines, from: span.lo, is_below, visit };
+        if way.part(self.bounds.top(), [0, 0], [0.0, span.hi - span.lo]) || !way.is_below {
             return;
         }
         match span.leaves {
@@ -67,65 +113,68 @@ impl Parts {
     }
 
     /// Where a ray is in the box; `None` where it passes by, and for one that is not finite.
-    fn span(&self, ray: &Ray, line: &Ray64) -> Option<Span> {
-        let margin = MARGIN * self.cell_size().min_element();
-        let [low, high] = self.extent();
-        let low = if self.base.is_some() { low } else { low - margin };
+    ///
+    /// * `inverse`: one over its direction
+    fn span(&self, ray: &Ray, line: &Ray64, inverse: DVec3) -> Option<Span> {
         let end = self.corner + self.size;
-        let axes = [
-            (self.corner.x, end.x, [Face::Side(1), Face::Side(2)]),
-            (low, high + margin, [Face::Side(FLOOR), Face::Top]),
-            (self.corner.y, end.y, [Face::Side(3), Face::Side(4)]),
-        ];
-        let (o, d) = (line.o.to_array(), line.d.to_array());
+        let [low, high] = self.y_range;
         if !(line.o.is_finite() && line.d.is_finite()) || line.d == DVec3::ZERO {
             return None;
         }
         let mut span = Span { lo: ray.t_min.into(), hi: ray.t_max.into(), enters: None, leaves: None };
-        for (axis, (min, max, [first, last])) in axes.into_iter().enumerate() {
-            let (o, d) = (o[axis], d[axis]);
-            if d == 0.0 {
-                if !(min..=max).contains(&o) {
-                    return None;
-                }
-                continue;
+        let mut clip = |o: f64, inverse: f64, [min, max]: [f64; 2], [first, last]: [Face; 2]| {
+            if inverse.is_infinite() {
+                return (min..=max).contains(&o);
             }
-            let (a, b) = ((min - o) / d, (max - o) / d);
-            let (near, far) = if d > 0.0 { ((a, first), (b, last)) } else { ((b, last), (a, first)) };
+            let (a, b) = ((min - o) * inverse, (max - o) * inverse);
+            let (near, far) = if inverse > 0.0 { ((a, first), (b, last)) } else { ((b, last), (a, first)) };
             if near.0 > span.lo {
                 (span.lo, span.enters) = (near.0, Some(near.1));
             }
             if far.0 < span.hi {
                 (span.hi, span.leaves) = (far.0, Some(far.1));
             }
-        }
-        (span.lo < span.hi).then_some(span)
+            true
+        };
+        let is_there = clip(line.o.x, inverse.x, [self.corner.x, end.x], [Face::Side(1), Face::Side(2)])
+            && clip(line.o.y, inverse.y, [low, high], [Face::Side(FLOOR), Face::Top])
+            && clip(line.o.z, inverse.z, [self.corner.y, end.y], [Face::Side(3), Face::Side(4)]);
+        (is_there && span.lo < span.hi).then_some(span)
+    }
+
+    /// The range of heights that a ray is followed in.
+    pub(super) fn y_range([low, high]: [f64; 2], base: Option<f64>, cell_size: DVec2) -> [f64; 2] {
+        let margin = MARGIN * cell_size.min_element();
+        [base.unwrap_or(low - margin), high + margin]
     }
 }
 
 impl<V: FnMut(f64, u32) -> bool> CellWalk<'_, V> {
     /// Goes through a block of `2^level` cells a side between two parameters; whether that is enough.
-    fn block(&mut self, level: u32, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
-        if level == 0 {
-            return self.cell(at, [t0, t1]);
-        }
+    fn part(&mut self, level: u32, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
         let (y0, y1) = (self.o.y + t0 * self.d.y, self.o.y + t1 * self.d.y);
         if let Some(is_below) = side(y0, y1, self.parts.bounds.block(level, at)) {
             return self.turns(is_below, t0);
         }
+        self.block(level, at, [t0, t1])
+    }
+
+    /// Goes through the quarters of a block that the surface may pass at the height of the ray.
+    fn block(&mut self, level: u32, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
         // Two lines part the block. Before them the ray is on the side that it comes from.
-        let cells = self.parts.grid.cells();
         let middle = |axis: usize| (2 * at[axis] + 1) << (level - 1);
-        let x = parting(self.o.x, self.d.x, middle(0), cells[0]);
-        let z = parting(self.o.z, self.d.z, middle(1), cells[1]);
+        let (x, z) = (self.lines[0].crossing(middle(0)), self.lines[1].crossing(middle(1)));
         let mut from = t0;
         for to in [x.min(z), x.max(z), t1] {
             let to = to.clamp(from, t1);
             if from < to {
-                // Below the line of an axis before it, or above it after it.
-                let upper = |t: f64, d: f64| u32::from((to > t) != (d < 0.0));
-                let child = [2 * at[0] + upper(x, self.d.x), 2 * at[1] + upper(z, self.d.z)];
-                if self.block(level - 1, child, [from, to]) {
+                let child = [2 * at[0] + self.lines[0].side(x, to), 2 * at[1] + self.lines[1].side(z, to)];
+                let is_enough = if level > 1 {
+                    self.part(level - 1, child, [from, to])
+                } else {
+                    self.cell(child, [from, to])
+                };
+                if is_enough {
                     return true;
                 }
                 from = to;
@@ -186,19 +235,6 @@ fn side(y0: f64, y1: f64, [least, greatest]: [f32; 2]) -> Option<bool> {
         return Some(false);
     }
     (y0.max(y1) < least.into()).then_some(true)
-}
-
-/// Where a ray is on a line of the grid. One along it, or of a grid that has no cells behind it, has it all after or before it.
-#[inline]
-fn parting(o: f64, d: f64, line: u32, cells: u32) -> f64 {
-    if line >= cells {
-        return if d < 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
-    }
-    let line = f64::from(line);
-    if d == 0.0 {
-        return if o < line { f64::INFINITY } else { f64::NEG_INFINITY };
-    }
-    (line - o) / d
 }
 
 /// The root in [0, 1] of `a s^2 + 2 h s + c`, which has different signs at 0 and 1.
