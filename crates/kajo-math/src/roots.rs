@@ -57,15 +57,47 @@ pub fn sign_changes<const N: usize>(b: &[f64; N], mut visit: impl FnMut(f64)) {
 }
 
 /// [`sign_changes`] until `visit` says that it is enough; whether it did.
+#[inline]
 pub fn sign_changes_until<const N: usize>(b: &[f64; N], mut visit: impl FnMut(f64) -> bool) -> bool {
-    b.iter().all(|b| b.is_finite()) && isolate(b, 0.0, 1.0, &mut visit)
+    may_change_sign(b) && isolate(b, 0.0, 1.0, &mut visit)
+}
+
+/// Whether there is any place for [`sign_changes`] to visit, which is found without working it out.
+#[inline]
+pub fn changes_sign<const N: usize>(b: &[f64; N]) -> bool {
+    may_change_sign(b) && has_change(b, 1.0)
+}
+
+/// Whether coefficients are finite and have not all the same sign.
+#[inline]
+fn may_change_sign<const N: usize>(b: &[f64; N]) -> bool {
+    b.iter().any(|&x| (x < 0.0) != (b[0] < 0.0)) && b.iter().all(|x| x.is_finite())
+}
+
+/// Below this width all that is left of a polynomial is rounding.
+const NARROWEST: f64 = 1.0 / (1u64 << 50) as f64;
+
+/// How often the coefficients change their sign.
+#[inline]
+fn count_changes<const N: usize>(b: &[f64; N]) -> usize {
+    b.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count()
+}
+
+/// Whether there is a sign change on an interval of a width, whose coefficients are `b`.
+fn has_change<const N: usize>(b: &[f64; N], width: f64) -> bool {
+    if (b[0] < 0.0) != (b[N - 1] < 0.0) {
+        return true;
+    }
+    if count_changes(b) == 0 || width <= NARROWEST {
+        return false;
+    }
+    let (left, right) = halves(b);
+    has_change(&left, 0.5 * width) || has_change(&right, 0.5 * width)
 }
 
 /// Visits the sign changes on the interval from `lo` of a width, whose coefficients are `b`, until it is enough.
 fn isolate<const N: usize>(b: &[f64; N], lo: f64, width: f64, visit: &mut dyn FnMut(f64) -> bool) -> bool {
-    /// Below this width all that is left of a polynomial is rounding.
-    const NARROWEST: f64 = 1.0 / (1u64 << 50) as f64;
-    let changes = b.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count();
+    let changes = count_changes(b);
     if changes == 0 {
         return false;
     }
@@ -226,6 +258,24 @@ mod tests {
             let at_end = usize::from(beyond == 0.0);
             assert!(found.len() == 1 + at_end && (found[at_end] - 0.25).abs() < 1e-14, "{beyond}: {found:?}");
         }
+    }
+
+    /// Whether there is a change is what visiting them says.
+    #[test]
+    fn changes_are_there_where_they_are_visited() {
+        for i in 0..20_000 {
+            let s = crate::rng::Stream::new(101, [i, 0], 0);
+            let b: [f64; 5] = std::array::from_fn(|k| {
+                let x = 2.0 * f64::from(s.uniform(k as u32)) - 0.8;
+                if i % 3 == 0 { x * x } else { x }
+            });
+            // Two roots that are nearly one, too.
+            let b = if i % 5 == 0 { bernstein_of(&[0.25 * b[0] * b[0], -b[0], 1.0, 0.0, 0.0]) } else { b };
+            let mut count = 0;
+            sign_changes(&b, |_| count += 1);
+            assert_eq!(changes_sign(&b), count > 0, "{b:?}");
+        }
+        assert!(!changes_sign(&[f64::NAN, 1.0, -2.0]) && !changes_sign(&[-1.0, f64::INFINITY, 0.0]));
     }
 
     #[test]

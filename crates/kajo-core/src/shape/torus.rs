@@ -60,10 +60,35 @@ impl Torus {
         let w = o + shift * d - self.center;
         let Some([lo, hi]) = self.extent_along(w, d) else { return };
         let (q, e) = (w + lo * d, (hi - lo) * d);
-        roots::sign_changes_until(&self.quartic(q, e), |s| {
+        let mut quartic = self.quartic(q, e);
+        // Outside of the surface it is not negative, but for rounding.
+        quartic[0] = quartic[0].max(0.0);
+        quartic[4] = quartic[4].max(0.0);
+        roots::sign_changes_until(&quartic, |s| {
             let is_there = self.minor <= self.major || self.is_outer(q + s * e);
             is_there && visit(shift + lo + s * (hi - lo))
         });
+    }
+
+    /// Whether a ray crosses the surface, which is asked of the signs of the quartic alone; not for tubes that meet themselves.
+    fn is_crossed(&self, ray: &Ray) -> bool {
+        let Ray64 { o, d } = Ray64::new(ray);
+        let shift = (self.center - o).dot(d) / d.dot(d);
+        let w = o + shift * d - self.center;
+        let Some([lo, hi]) = self.extent_along(w, d) else { return false };
+        let [first, last] = [ray.t_min, ray.t_max].map(|t| f64::from(t) - shift);
+        let [from, to] = [lo.max(first), hi.min(last)];
+        if from >= to {
+            return false;
+        }
+        let mut quartic = self.quartic(w + from * d, (to - from) * d);
+        if from == lo {
+            quartic[0] = quartic[0].max(0.0);
+        }
+        if to == hi {
+            quartic[4] = quartic[4].max(0.0);
+        }
+        roots::changes_sign(&quartic)
     }
 
     /// Where a line is in the sphere around the torus and between the planes that touch it above and below.
@@ -71,7 +96,11 @@ impl Torus {
     /// * `w`: the point of the line nearest to the middle, from there
     fn extent_along(&self, w: DVec3, d: DVec3) -> Option<[f64; 2]> {
         let outer = self.major + self.minor;
-        let half_chord = ((outer * outer - w.dot(w)) / d.dot(d)).sqrt();
+        let room = outer * outer - w.dot(w);
+        if room < 0.0 {
+            return None;
+        }
+        let half_chord = (room / d.dot(d)).sqrt();
         let (height, rise) = (w.dot(self.axis), d.dot(self.axis));
         let (mut lo, mut hi) = (-half_chord, half_chord);
         if rise == 0.0 {
@@ -92,13 +121,13 @@ impl Torus {
         let [u0, u1, u2] = quadratic(a, h, c + squares);
         let across = quadratic(a - rise * rise, h - height * rise, c - height * height);
         let [v0, v1, v2] = across.map(|v| 4.0 * self.major * self.major * v);
-        // A square, less a quadratic that is raised by two degrees. At both ends it is not negative, but for rounding.
+        // A square, less a quadratic that is raised by two degrees.
         [
-            (u0 * u0 - v0).max(0.0),
+            u0 * u0 - v0,
             u0 * u1 - 0.5 * (v0 + v1),
             (u0 * u2 + 2.0 * u1 * u1) / 3.0 - (v0 + 4.0 * v1 + v2) / 6.0,
             u1 * u2 - 0.5 * (v1 + v2),
-            (u2 * u2 - v2).max(0.0),
+            u2 * u2 - v2,
         ]
     }
 
@@ -134,6 +163,10 @@ impl Surface for Torus {
             first.is_some()
         });
         first
+    }
+
+    fn blocks(&self, ray: &Ray) -> bool {
+        if self.minor <= self.major { self.is_crossed(ray) } else { self.hit(ray).is_some() }
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
@@ -220,6 +253,26 @@ mod tests {
             found.iter().zip([7.7, 8.3, 9.7, 10.3]).all(|(t, want)| (t - want).abs() < 1e-12),
             "{found:?}"
         );
+    }
+
+    /// What is in the way of a ray is what it hits, wherever it begins and ends.
+    #[test]
+    fn rays_are_blocked_by_what_they_hit() {
+        let mut blocked = 0;
+        for (major, minor) in [(1.0, 0.3), (1.0, 0.02), (0.5, 0.8)] {
+            let torus =
+                Torus::new(Vec3::new(0.2, -0.1, 0.4), Vec3::new(1.0, 2.0, -0.5), major, minor).unwrap();
+            for i in 0..20_000 {
+                let s = kajo_math::rng::Stream::new(7, [i, 0], 0);
+                let point = |k: u32| Vec3::from_array([k, k + 1, k + 2].map(|k| 5.0 * s.uniform(k) - 2.5));
+                let (o, to) = (point(0), point(3));
+                let ray = Ray::new(o, to - o).over(0.0, 2.0 * s.uniform(6));
+                let is_hit = torus.hit(&ray).is_some();
+                blocked += usize::from(is_hit);
+                assert_eq!(torus.blocks(&ray), is_hit, "{major} {minor}: ray {i}");
+            }
+        }
+        assert!(blocked > 1000);
     }
 
     /// Rays that graze the silhouette from inside and outside, by less and less: none or two crossings.
