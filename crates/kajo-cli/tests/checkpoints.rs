@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 74] = [
+const ROLES: [(&str, Role); 75] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -172,6 +172,7 @@ const ROLES: [(&str, Role); 74] = [
     ("show-records", Decides("--integrator irradiance", "--show-records on")),
     ("directions", Decides("--integrator path", "--directions uniform")),
     ("technique", Decides("--integrator path", "--technique lights")),
+    ("caustics", Decides("--integrator path", "--caustics manifold")),
     ("light-choice", Decides("--integrator path", "--light-choice uniform")),
     ("roulette", Decides("--integrator path", "--roulette off")),
     ("reach", Decides("--integrator occlusion", "--reach 2")),

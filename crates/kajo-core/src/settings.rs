@@ -240,6 +240,22 @@ impl Directions {
     ];
 }
 
+/// How lights are found whose light comes through smooth glass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Caustics {
+    /// They are met by chance only.
+    #[default]
+    Scattering,
+    /// They are drawn as well, and chains of refractions that lead there found by walks on the manifold of all chains.
+    Manifold,
+}
+
+impl Caustics {
+    /// Names on the command line and in `Settings`, with the ways.
+    pub const NAMES: [(&'static str, Caustics); 2] =
+        [("manifold", Caustics::Manifold), ("scattering", Caustics::Scattering)];
+}
+
 /// How samples become pixels; lengths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FilterChoice {
@@ -287,6 +303,8 @@ pub struct Settings {
     pub technique: Option<Technique>,
     /// How lights are chosen.
     pub light_choice: Option<LightChoice>,
+    /// How lights behind smooth glass are found.
+    pub caustics: Option<Caustics>,
     /// Whether paths of little weight end at random.
     pub roulette: Option<bool>,
     /// Paths from lights that photons are left by: for one map.
@@ -369,6 +387,7 @@ impl Settings {
             directions: self.directions.or(there.directions),
             technique: self.technique.or(there.technique),
             light_choice: self.light_choice.or(there.light_choice),
+            caustics: self.caustics.or(there.caustics),
             roulette: self.roulette.or(there.roulette),
             photons: self.photons.or(there.photons),
             photon_map: self.photon_map.or(there.photon_map),
@@ -399,6 +418,7 @@ pub enum SettingsKey {
     Technique,
     Directions,
     LightChoice,
+    Caustics,
     Roulette,
     Spectral,
     Branches,
@@ -419,7 +439,7 @@ pub enum SettingsKey {
 
 impl SettingsKey {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [SettingsKey; 24] = [
+    pub const ALL: [SettingsKey; 25] = [
         SettingsKey::Bounces,
         SettingsKey::Weight,
         SettingsKey::Fresnel,
@@ -428,6 +448,7 @@ impl SettingsKey {
         SettingsKey::Technique,
         SettingsKey::Directions,
         SettingsKey::LightChoice,
+        SettingsKey::Caustics,
         SettingsKey::Roulette,
         SettingsKey::Spectral,
         SettingsKey::Branches,
@@ -460,6 +481,7 @@ impl SettingsKey {
             SettingsKey::Technique => said(settings.technique.is_some(), "technique"),
             SettingsKey::Directions => said(settings.directions.is_some(), "directions"),
             SettingsKey::LightChoice => said(settings.light_choice.is_some(), "lightChoice"),
+            SettingsKey::Caustics => said(settings.caustics.is_some(), "caustics"),
             SettingsKey::Roulette => said(settings.roulette.is_some(), "roulette"),
             SettingsKey::Spectral => said(settings.spectral.is_some(), "spectral"),
             SettingsKey::Branches => said(settings.branches.is_some(), "branches"),

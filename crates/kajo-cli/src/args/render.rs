@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use kajo::{
-    BitDepth, Defaults, Directions, Format, Gradients, IntegratorName, LightChoice, LoadOptions,
+    BitDepth, Caustics, Defaults, Directions, Format, Gradients, IntegratorName, LightChoice, LoadOptions,
     PhotonMapUse, RayOffset, Rect, Settings, ShadowAttenuation, Shadows, Technique, View,
 };
 
@@ -107,6 +107,9 @@ pub struct RenderArgs {
     /// How lights are chosen: tree or uniform
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(LightChoice::NAMES))]
     pub light_choice: Option<LightChoice>,
+    /// Paths: how lights behind smooth glass are found: scattering, or manifold to draw them as well
+    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Caustics::NAMES))]
+    pub caustics: Option<Caustics>,
     /// Whether paths of little weight end at random
     #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
     pub roulette: Option<bool>,
@@ -253,6 +256,7 @@ impl RenderArgs {
             directions: self.directions,
             technique: self.technique,
             light_choice: self.light_choice,
+            caustics: self.caustics,
             roulette: self.roulette,
             reach: self.reach.map(|reach| reach as f32),
             // Development is put over what the scene says once there is a picture.

@@ -14,8 +14,8 @@ use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
 use crate::schema::{Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind};
 use crate::settings::{
-    Dialect, Directions, FilterChoice, Gradients, IntegratorName, PhotonMapUse, Settings, ShadowAttenuation,
-    Shadows, Technique,
+    Caustics, Dialect, Directions, FilterChoice, Gradients, IntegratorName, PhotonMapUse, Settings,
+    ShadowAttenuation, Shadows, Technique,
 };
 
 choices! {
@@ -43,6 +43,7 @@ choices! {
 choices!(Directions: Directions::NAMES);
 choices!(Gradients: Gradients::NAMES);
 choices!(PhotonMapUse: PhotonMapUse::NAMES);
+choices!(Caustics: Caustics::NAMES);
 choices!(LightChoice: LightChoice::NAMES);
 choices!(Technique: Technique::NAMES, or Technique::SYNONYMS);
 choices!(Dialect: {
@@ -129,6 +130,8 @@ keys! {
             .presumed(Constant::Word("combined"), "how light is found"),
         light_choice: Option<LightChoice> = choice::<LightChoice>("lightChoice")
             .presumed(Constant::Word("tree"), "how a light is drawn"),
+        caustics: Option<Caustics> = choice::<Caustics>("caustics")
+            .presumed(Constant::Word("scattering"), "how light through smooth glass is found"),
         roulette: Option<bool> =
             flag("roulette").ruled(roulette, "by the integrator", "faint paths end by chance"),
         photons: Option<u32> = count("photons", 1, MAX_PHOTONS)
@@ -259,6 +262,7 @@ impl From<SettingsKeys> for Settings {
             directions: keys.directions,
             technique: keys.technique,
             light_choice: keys.light_choice,
+            caustics: keys.caustics,
             roulette: keys.roulette,
             photons: keys.photons,
             photon_map: keys.photon_map,

@@ -109,6 +109,33 @@ impl AreaLight {
         }
     }
 
+    /// A point of the light drawn for nobody, its density per area; `None` for surfaces without closed form, see [`Patch::Traced`].
+    ///
+    /// Where what a receiver sees of the light is not what shines at it, as through glass, all of the light has to be drawn.
+    ///
+    /// * `u`: uniform in [0, 1)²
+    /// * `time`: moment within the shutter interval
+    pub fn sample_area(&self, u: Vec2, time: f32) -> Option<(LightPoint, f32)> {
+        let patch = self.placed(time);
+        let drawn = match &self.density {
+            _ if patch.traced().is_some() => return None,
+            None => patch.sample_area(u)?,
+            Some(density) => density.sample_area(&patch, u)?,
+        };
+        let at = LightPoint::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n };
+        Some((at, self.pdf_area(drawn.p, time)))
+    }
+
+    /// Density per area with which [`AreaLight::sample_area`] draws the point `p`; 0 where it draws none.
+    pub fn pdf_area(&self, p: Vec3, time: f32) -> f32 {
+        let patch = self.placed(time);
+        match &self.density {
+            _ if patch.traced().is_some() => 0.0,
+            None => patch.pdf_area(p),
+            Some(density) => density.pdf_area(&patch, p),
+        }
+    }
+
     /// The patch where it is at a time.
     #[inline]
     fn placed(&self, time: f32) -> PlacedPatch<'_> {

@@ -35,8 +35,11 @@ impl Scene {
         None
     }
 
-    /// The shading normal of the same object above or below the point beside an interaction.
-    fn normal_beside(&self, at: &Interaction, step: Vec3) -> Option<Vec3> {
+    /// The shading normal of the same object above or below the point beside an interaction; `None` where there is none, or it is that of
+    /// another side.
+    ///
+    /// * `step`: from the point, within the surface, in world space
+    pub fn normal_beside(&self, at: &Interaction, step: Vec3) -> Option<Vec3> {
         let (up, height) = (at.point.ng, step.length());
         let ray = Ray {
             o: at.point.p + step + height * up,

@@ -319,7 +319,7 @@ impl Geometry {
     }
 
     /// A box around an object, at any time while the shutter is open; empty for one that is not there.
-    pub(crate) fn object_bounds(&self, object: ObjectId) -> Aabb {
+    pub fn object_bounds(&self, object: ObjectId) -> Aabb {
         match self.primitives.get(object.index()) {
             Some(primitive) => self.world_bounds(primitive),
             None => self

@@ -48,7 +48,7 @@ pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 pub(super) use tracer::power_heuristic;
 pub(super) use tracer::{CameraPath, DiffuseVertex, Indirect, IndirectLight, PathTracer};
-use tracer::{Fork, Sampled};
+use tracer::{Casters, Fork, Sampled, ThroughGlass};
 
 /// The path tracer over one scene and one picture size.
 pub struct Path<'a> {
@@ -81,6 +81,24 @@ impl<'a> Path<'a> {
     }
 }
 
+/// The path tracer with lights drawn that stand behind glass; see `tracer/caustics.rs`.
+struct ManifoldPath<'a> {
+    path: Path<'a>,
+    casters: Casters,
+}
+
+impl Integrator for ManifoldPath<'_> {
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        _pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        self.path.observe_with(ctx, raster, observer, ThroughGlass::new(&self.casters)).0
+    }
+}
+
 /// The path tracer for a scene: another one where something moves nearly as fast as light.
 fn integrator_of<'a>(
     camera: &'a Camera,
@@ -90,7 +108,13 @@ fn integrator_of<'a>(
     layers: LayerSet,
 ) -> Box<dyn crate::PixelIntegrator + 'a> {
     match scene.relativity.as_deref() {
-        None => Box::new(Path::through(camera, scene, settings, size, layers)),
+        None => {
+            let path = Path::through(camera, scene, settings, size, layers);
+            if !settings.walks_in(scene) {
+                return Box::new(path);
+            }
+            Box::new(ManifoldPath { path, casters: Casters::of(scene) })
+        }
         Some(all) => Box::new(RelativisticPath::new(camera, scene, all, settings, size, layers)),
     }
 }
@@ -167,6 +191,8 @@ fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
     list.into_iter().filter_map(|_| None).collect()
 }
 
+#[cfg(test)]
+mod caustics_tests;
 #[cfg(test)]
 mod curved_tests;
 #[cfg(test)]

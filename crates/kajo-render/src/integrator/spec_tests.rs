@@ -3,7 +3,8 @@
 use kajo_core::RayOffset;
 use kajo_core::light::LightChoice;
 use kajo_core::settings::{
-    Directions, Gradients, PhotonMapUse, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
+    Caustics, Directions, Gradients, PhotonMapUse, Settings, SettingsKey, ShadowAttenuation, Shadows,
+    Technique,
 };
 use kajo_scene::MemoryAssets;
 
@@ -32,6 +33,7 @@ fn saying(key: SettingsKey) -> Vec<Settings> {
         SettingsKey::Technique => vec![Settings { technique: Some(Technique::Lights), ..none() }],
         SettingsKey::Directions => vec![Settings { directions: Some(Directions::Cosine), ..none() }],
         SettingsKey::LightChoice => vec![Settings { light_choice: Some(LightChoice::Uniform), ..none() }],
+        SettingsKey::Caustics => vec![Settings { caustics: Some(Caustics::Manifold), ..none() }],
         SettingsKey::Roulette => [true, false].map(|on| Settings { roulette: Some(on), ..none() }).to_vec(),
         SettingsKey::Spectral => vec![Settings { spectral: Some(true), ..none() }],
         SettingsKey::Branches => vec![Settings { branches: Some(5), ..none() }],

@@ -2,8 +2,8 @@
 
 use egui::{DragValue, Response, Slider, Ui};
 use kajo::{
-    AUTO, Directions, Gradients, INTEGRATOR_CHOICES, IntegratorName, LightChoice, PhotonMapUse, RayOffset,
-    RenderSettings, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
+    AUTO, Caustics, Directions, Gradients, INTEGRATOR_CHOICES, IntegratorName, LightChoice, PhotonMapUse,
+    RayOffset, RenderSettings, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
 };
 
 use super::widgets::{choice, option, rows, section};
@@ -115,6 +115,12 @@ fn path_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings)
             let hint = "How a light is chosen for a point";
             known(ui, ["Light choice", hint], &mut asked.light_choice, now.light_choice, |ui, value| {
                 choice(ui, "light choice", value, &LightChoice::NAMES)
+            });
+        }
+        SettingsKey::Caustics => {
+            let hint = "How lights are found that shine through smooth glass";
+            known(ui, ["Caustics", hint], &mut asked.caustics, now.caustics, |ui, value| {
+                choice(ui, "caustics", value, &Caustics::NAMES)
             });
         }
         SettingsKey::Roulette => {

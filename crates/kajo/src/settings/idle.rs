@@ -86,6 +86,7 @@ mod tests {
             ("technique lights", "path direct distribution"),
             ("roulette off", "path direct distribution bidirectional irradiance light photon sppm mlt vcm"),
             ("spectral on", "path direct distribution bidirectional light sppm mlt vcm"),
+            ("caustics manifold", "path"),
             ("lightChoice uniform", "path direct distribution bidirectional irradiance photon sppm mlt vcm"),
             ("reach 2", "occlusion"),
         ] {

@@ -161,6 +161,8 @@ class Settings(Block):
             scattering.
         technique: how light is found (combined, lights or scattering). Default: combined.
         light_choice: how a light is drawn (tree or uniform). Default: tree.
+        caustics: how light through smooth glass is found (manifold or scattering). Default:
+            scattering.
         roulette: faint paths end by chance (on or off). Default: by the integrator.
         photons: paths from lights for a photon map (whole number from 1 to 100000000). Default:
             by the integrator.
@@ -213,6 +215,7 @@ class Settings(Block):
         directions: Literal["cosine", "scattering", "uniform"] | None = None,
         technique: Literal["combined", "lights", "scattering"] | None = None,
         light_choice: Literal["tree", "uniform"] | None = None,
+        caustics: Literal["manifold", "scattering"] | None = None,
         roulette: bool | None = None,
         photons: int | None = None,
         photon_map: Literal["caustics", "direct", "gather"] | None = None,
@@ -249,6 +252,7 @@ class Settings(Block):
         self.directions = directions
         self.technique = technique
         self.light_choice = light_choice
+        self.caustics = caustics
         self.roulette = roulette
         self.photons = photons
         self.photon_map = photon_map

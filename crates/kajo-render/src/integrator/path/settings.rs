@@ -3,7 +3,7 @@
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
-use kajo_core::settings::{Directions, IntegratorName, Settings, SettingsKey, Technique};
+use kajo_core::settings::{Caustics, Directions, IntegratorName, Settings, SettingsKey, Technique};
 use kajo_core::space::Space;
 
 use crate::integrator::{
@@ -33,6 +33,8 @@ pub struct PathSettings {
     pub roulette: bool,
     /// Whether light is followed by wavelength.
     pub spectral: bool,
+    /// How lights behind glass are found.
+    pub caustics: Caustics,
 }
 
 impl Default for PathSettings {
@@ -47,6 +49,7 @@ impl Default for PathSettings {
             branches: 1,
             roulette: true,
             spectral: false,
+            caustics: Caustics::Scattering,
         }
     }
 }
@@ -61,13 +64,17 @@ pub const PATH: IntegratorSpec = IntegratorSpec {
     quantity: Quantity::Radiance,
     splats: false,
     samples: 64,
-    keys: &KEYS,
+    keys: &{
+        let [bounces, technique, directions, light_choice, roulette, spectral] = KEYS;
+        [bounces, technique, directions, light_choice, SettingsKey::Caustics, roulette, spectral]
+    },
     settings: |context| {
         let path = PathSettings::default();
         // Light in clouds is scattered hundreds of times before it gets out, and with fewer they would be grey.
         let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { path.bounces };
         let bounces = bounces_of_paths(context.scene, bounces);
-        IntegratorSettings::Path(said(context, PathSettings { bounces, ..path }))
+        let caustics = context.said.caustics.unwrap_or(path.caustics);
+        IntegratorSettings::Path(said(context, PathSettings { bounces, caustics, ..path }))
     },
 };
 
@@ -79,6 +86,7 @@ pub const DIRECT: IntegratorSpec = IntegratorSpec {
         let default = PathSettings { only_mirrors: true, ..PathSettings::default() };
         IntegratorSettings::Path(said(context, default))
     },
+    keys: &KEYS,
     ..PATH
 };
 
@@ -101,6 +109,9 @@ pub const DISTRIBUTION: IntegratorSpec = IntegratorSpec {
     },
     ..PATH
 };
+
+/// What is said of walks where light bends or is scattered on its way.
+const WITHOUT_WALKS: &str = "`caustics manifold` has no effect in scenes with media, bodies that bend light, or speeds near that of light";
 
 /// What is said of bodies that bend light in a scene with inertial frames.
 const WITHOUT_CURVES_AMONG_FRAMES: &str =
@@ -130,6 +141,19 @@ fn said(context: &SettingsContext<'_>, default: PathSettings) -> PathSettings {
     }
 }
 
+impl PathSettings {
+    /// Whether lights are drawn in a scene that shine through glass or by way of mirrors: between these light has to go straight and
+    /// unscattered.
+    pub(super) fn walks_in(&self, scene: &Scene) -> bool {
+        self.caustics == Caustics::Manifold && !lacks_segments(scene)
+    }
+}
+
+/// Whether light is scattered or bent between surfaces.
+fn lacks_segments(scene: &Scene) -> bool {
+    scene.has_media() || scene.space() == Space::Curved || scene.relativity.is_some()
+}
+
 impl Prepare for PathSettings {
     fn prepare<'a>(
         self,
@@ -150,6 +174,7 @@ impl Prepare for PathSettings {
             roulette: Some(self.roulette),
             spectral: Some(self.spectral),
             branches: Some(self.branches),
+            caustics: Some(self.caustics),
             ..Settings::default()
         }
     }
@@ -159,8 +184,10 @@ impl Prepare for PathSettings {
     }
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
+        let walks = self.caustics == Caustics::Manifold && lacks_segments(scene);
+        let walks = walks.then_some(WITHOUT_WALKS).into_iter();
         if scene.relativity.is_none() {
-            return Vec::new();
+            return walks.collect();
         }
         let notes = [
             (
@@ -174,6 +201,9 @@ impl Prepare for PathSettings {
             (scene.has_media(), "media are left out between things that move nearly as fast as light"),
         ];
         let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
-        notes.chain((scene.space() == Space::Curved).then_some(WITHOUT_CURVES_AMONG_FRAMES)).collect()
+        walks
+            .chain(notes)
+            .chain((scene.space() == Space::Curved).then_some(WITHOUT_CURVES_AMONG_FRAMES))
+            .collect()
     }
 }

@@ -1,9 +1,12 @@
 //! One sample of the path tracer: a path from the camera and what branches off it.
 
+mod casters;
+mod caustics;
+mod crossed;
 mod equiangular;
 mod indirect;
 
-use kajo_color::{Spectrum, sensor};
+use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::interaction::SurfacePoint;
@@ -21,6 +24,8 @@ use crate::integrator::transport::{
     survives, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
+pub use casters::Casters;
+pub use caustics::ThroughGlass;
 use equiangular::Along;
 pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Sampled};
 
@@ -270,6 +275,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             }
             let mut bsdf = shade(scene, &path.state, surface);
             if pass_straight(scene, &mut path.state, surface, &mut bsdf) {
+                if C::WALKS {
+                    self.forget_crossed();
+                }
                 if path.state.scatterings == 0 && matches!(bsdf, Bsdf::Null) {
                     self.estimate.first = None;
                 }
@@ -292,6 +300,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             }
             let part = fork.take(path);
             let goes_on = path.go_on(self.view.scene, self.settings, fork.shaded(), part, self.observer);
+            if C::WALKS {
+                let (surface, bsdf) = (fork.surface, fork.bsdf);
+                self.note_crossed(path, &surface, &bsdf);
+            }
             if part == Part::Mirror {
                 self.forks.pop();
             }
@@ -327,28 +339,26 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         let splits = !path.is_branch && settings.branches > 1 && !is_delta;
         if !splits && settings.directions == Directions::Scattering {
-            return path.go_on(
-                self.scene(),
-                settings,
-                Shaded { surface, bsdf, local: &local },
-                Part::All,
-                self.observer,
-            );
+            return self.go_on(path, Shaded { surface, bsdf, local: &local }, Part::All);
         }
         if is_delta {
-            return path.go_on(
-                self.scene(),
-                settings,
-                Shaded { surface, bsdf, local: &local },
-                Part::Mirror,
-                self.observer,
-            );
+            return self.go_on(path, Shaded { surface, bsdf, local: &local }, Part::Mirror);
         }
         let branches = if path.is_branch { 1 } else { settings.branches.max(1) };
         let mark = self.observer.mark();
         let fork = Fork { path: *path, surface: *surface, bsdf: *bsdf, local, branches, taken: 0, mark };
         self.forks.push(fork);
         false
+    }
+
+    /// [`CameraPath::go_on`], noted where lights behind glass are drawn.
+    #[inline]
+    fn go_on(&mut self, path: &mut CameraPath<'s>, at: Shaded<'_>, part: Part) -> bool {
+        let goes_on = path.go_on(self.scene(), self.settings, at, part, self.observer);
+        if C::WALKS {
+            self.note_crossed(path, at.surface, at.bsdf);
+        }
+        goes_on
     }
 
     /// The weight of light that the path met by its own scattering.
@@ -408,7 +418,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let (scene, state) = (self.scene(), &path.state);
         let at = LightPoint::Infinite { through: path.receiver.p };
         for hit in scene.lights_at_infinity(d, &state.wavelengths) {
-            let weight = self.mis_weight(path, &hit, &at, d);
+            let weight = match C::WALKS && !state.connectable {
+                true => self.weight_behind_glass(path, &hit, &at, d),
+                false => self.mis_weight(path, &hit, &at, d),
+            };
             self.add_hit(state, state.beta * hit.radiance * weight, hit.group);
         }
     }
@@ -420,7 +433,11 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         let (state, d) = (&path.state, -surface.wo);
         if let Some(hit) = self.scene().surface_light(&surface.at, d, &state.wavelengths) {
-            let weight = self.mis_weight(path, &hit, &LightPoint::on(&surface.at.point), d);
+            let at = LightPoint::on(&surface.at.point);
+            let weight = match C::WALKS && !state.connectable {
+                true => self.weight_behind_glass(path, &hit, &at, d),
+                false => self.mis_weight(path, &hit, &at, d),
+            };
             self.add_hit(state, state.beta * hit.radiance * weight, hit.group);
         }
     }
@@ -456,7 +473,12 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let (scene, settings) = (self.scene(), self.settings);
         let state = &mut path.state;
         let drawn = sample_light(scene, state, &receiver(surface, local), settings.light_choice);
-        let Some(DrawnLight { light, li, pdf }) = drawn else { return };
+        let Some(drawn) = drawn else { return };
+        if C::WALKS {
+            self.add_light_through_glass(path, surface, (bsdf, local), &drawn);
+        }
+        let state = &mut path.state;
+        let DrawnLight { light, li, pdf } = drawn;
         let Some(wi) = local.to_local(li.wi) else { return };
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
         if scattered.is_black() {
@@ -623,6 +645,25 @@ impl Estimate {
         self.light += light;
         if let Some(groups) = &mut self.groups {
             let (sum, rgb) = (&mut groups[group.index()], sensor::to_rgb(light, &path.wavelengths));
+            *sum = [0, 1, 2].map(|i| sum[i] + rgb[i]);
+        }
+    }
+
+    /// Adds light that was found under these wavelengths of a path, or some of them.
+    fn add_sensed(
+        &mut self,
+        path: &PathState<'_>,
+        wavelengths: &Wavelengths,
+        light: Spectrum,
+        group: LightGroup,
+    ) {
+        if *wavelengths == path.wavelengths {
+            return self.add(path, light, group);
+        }
+        let rgb = sensor::to_rgb(light, wavelengths);
+        self.sensed = [0, 1, 2].map(|i| self.sensed[i] + rgb[i]);
+        if let Some(groups) = &mut self.groups {
+            let sum = &mut groups[group.index()];
             *sum = [0, 1, 2].map(|i| sum[i] + rgb[i]);
         }
     }

@@ -23,6 +23,7 @@
 //! * [`pass_straight`]: through a hole or a pane without an event
 //! * [`sample_light`], [`connect`]: a light drawn for a vertex, and what comes along a segment to it
 //! * [`follow_phase`], [`connect_through_media`]: the same in media, where [`Event::Medium`] is a collision that scatters
+//! * [`ManifoldWalk`]: a light drawn for a vertex that stands behind clear boundaries, and the chain of refractions that joins both
 //! * [`follow`], [`survives`]: on along a scattered direction, and Russian roulette
 //!
 //! No step calls the next one, and none depends on its caller: a path is followed by calling them in turn, and many paths can
@@ -35,6 +36,7 @@ mod differentials;
 mod frequency;
 mod lane_mis;
 mod local_frame;
+mod manifold;
 mod media;
 mod medium_stack;
 mod overlap;
@@ -47,6 +49,7 @@ pub use differentials::leave;
 pub use frequency::radiance_factor;
 pub use lane_mis::{LaneMis, all_lanes};
 pub use local_frame::LocalFrame;
+pub use manifold::{Caster, ChainStart, Link, MOST_CHAINS, ManifoldWalk, SpecularChain, Via};
 pub use media::{Joining, connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};

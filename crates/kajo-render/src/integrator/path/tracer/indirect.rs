@@ -16,6 +16,8 @@ use kajo_core::bsdf::Bsdf;
 use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
+use super::casters::Casters;
+use super::crossed::Crossed;
 use super::{CameraPath, Part, PathTracer, Shaded};
 use crate::integrator::transport::{LocalFrame, PathState, SurfaceInteraction};
 use crate::trail::PathObserver;
@@ -46,6 +48,19 @@ pub enum Indirect {
 pub trait IndirectLight {
     /// Whether anything is asked; where not, all of it is compiled away.
     const IS_ASKED: bool;
+
+    /// Whether lights behind clear boundaries are drawn; where not, all of that is compiled away.
+    const WALKS: bool = false;
+
+    /// Where the path keeps what it has come through, if lights behind that are drawn.
+    fn crossed(&mut self) -> Option<&mut Option<Crossed>> {
+        None
+    }
+
+    /// The objects that light may come by way of, if there are any and lights are drawn so.
+    fn casters(&self) -> Option<&Casters> {
+        None
+    }
 
     /// The indirect light of the first vertex that is no mirror, if it reflects evenly.
     fn irradiance(&mut self, _vertex: &DiffuseVertex<'_, '_>) -> Indirect {

@@ -1,0 +1,258 @@
+//! Lights behind glass that are drawn, against closed forms and against paths that meet them by chance.
+
+use std::f64::consts::PI;
+
+use kajo_core::light::LightChoice;
+use kajo_core::settings::{Caustics, Technique};
+use kajo_testkit::Estimate;
+
+use super::tests::{camera, mean_of, scene};
+use super::*;
+
+const WALKS: PathSettings = PathSettings {
+    caustics: Caustics::Manifold,
+    bounces: 2,
+    free_mirrors: 0,
+    only_mirrors: false,
+    technique: Technique::Combined,
+    light_choice: LightChoice::Tree,
+    directions: Directions::Scattering,
+    branches: 1,
+    roulette: true,
+    spectral: false,
+};
+
+/// The mean of a single pixel.
+fn mean(scene: &Scene, settings: PathSettings, paths: u32) -> Estimate {
+    let integrator = integrator_of(&scene.output.camera, scene, settings, [1, 1], LayerSet::of(&[]));
+    mean_of(&*integrator, paths, 0)
+}
+
+/// Share of light that a boundary lets through.
+fn fresnel(cos_i: f64, eta: f64) -> f64 {
+    let cos_t = (1.0 - (1.0 - cos_i * cos_i) / (eta * eta)).sqrt();
+    let s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    1.0 - 0.5 * (s * s + p * p)
+}
+
+/// Irradiance at the distance `x` from the foot of a point of the intensity 1 over a floor, through a slab.
+///
+/// With the angle `a` of the light that arrives there, `x = air tan a + slab tan b`, `sin a = eta sin b`, and
+/// `E = T^2 exp(-sigma slab / cos b) sin a / (x dx/da)`.
+fn under_slab(x: f64, air: f64, slab: f64, eta: f64, sigma: f64) -> f64 {
+    let inside = |a: f64| (a.sin() / eta).asin();
+    let reach = |a: f64| air * a.tan() + slab * inside(a).tan();
+    let (mut low, mut high) = (0.0, 1.57);
+    for _ in 0..100 {
+        let a = 0.5 * (low + high);
+        if reach(a) < x { low = a } else { high = a }
+    }
+    let a = low;
+    let h = 1e-5;
+    let slope = (reach(a + h) - reach(a - h)) / (2.0 * h);
+    let t = fresnel(a.cos(), eta);
+    t * t * (-sigma * slab / inside(a).cos()).exp() * a.sin() / (x * slope)
+}
+
+/// A slab of glass between a light and a floor, which is seen from below the slab at the distance `x` from the foot of the light.
+fn slab(x: f32, light: &str, materials: &str, emitter: &str) -> Scene {
+    let view = camera([x, 0.4, 0.5], [x, 0.0, 0.0]);
+    scene(&format!(
+        "{view} {light} Materials {{ Matte floor {{ color 0.5 0.5 0.5 }} {materials} }}
+         Group {{ MaterialIndex floor Quad {{ corner -3 0 -3 edge1 0 0 6 edge2 6 0 0 }}
+                  MaterialIndex glass Box {{ min -5 0.5 -5 max 5 1.3 5 }}
+                  {} {emitter} }}",
+        if emitter.is_empty() { "" } else { "MaterialIndex emitter" }
+    ))
+}
+
+#[test]
+fn a_slab_shifts_the_light_of_a_point() {
+    let light = "Lights { PointLight { position 0 2.3 0 color 3 3 3 attenuation 0 0 1 } }";
+    let glass = "Glass glass { indexOfRefraction 1.5  absorption 0.3 0.3 0.3 }";
+    for x in [0.05f32, 0.8, 2.5] {
+        let scene = slab(x, light, glass, "");
+        let found = mean(&scene, WALKS, 20);
+        let bare = slab(x, light, "Glass glass { indexOfRefraction 1.0001 }", "");
+        let unbent = mean(&bare, WALKS, 20);
+        let away = f64::from(x).hypot(2.3);
+        let ratio = under_slab(x.into(), 1.5, 0.8, 1.5, 0.3) / (2.3 / away.powi(3));
+        let relative = found.mean / unbent.mean / ratio - 1.0;
+        assert!(relative.abs() < 2e-3, "{x}: {} {} {ratio} {relative}", found.mean, unbent.mean);
+        assert_eq!(mean(&scene, PathSettings { caustics: Caustics::Scattering, ..WALKS }, 20).mean, 0.0);
+    }
+}
+
+#[test]
+fn a_slab_shifts_the_light_of_a_ball() {
+    let (radius, radiance) = (0.02f64, 900.0f64);
+    for x in [0.05f32, 2.5] {
+        let glass = format!(
+            "Glass glass {{ indexOfRefraction 1.5  absorption 0.3 0.3 0.3 }}
+             Matte emitter {{ color 0 0 0 emission {radiance} }}"
+        );
+        let emitter = format!("Sphere {{ center 0 2.3 0 radius {radius} }}");
+        let scene = slab(x, "", &glass, &emitter);
+        let irradiance = under_slab(x.into(), 1.5, 0.8, 1.5, 0.3) * radiance * PI * radius * radius;
+        let expected = 0.5 / PI * irradiance;
+        for technique in [Technique::Combined, Technique::Lights] {
+            let found = mean(&scene, PathSettings { technique, ..WALKS }, 1000);
+            if let Err(complaint) = found.check(expected, 0.02) {
+                panic!("{x} {technique:?}: {complaint}");
+            }
+        }
+    }
+}
+
+/// A mirror is a second light behind it: `E = F I cos / d^2` for both, the reflected one from farther away.
+#[test]
+fn a_plane_mirror_shows_a_second_light() {
+    let text = |light: &str| {
+        format!(
+            "{} {light} Materials {{ Matte floor {{ color 0.5 0.5 0.5 }}
+                              Metal mirror {{ color 1 1 1 }} }}
+             Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
+                      MaterialIndex mirror Quad {{ corner 1 0.01 -3 edge1 0 3 0 edge2 0 0 6 }} }}",
+            camera([0.0, 0.4, 0.5], [0.0, 0.0, 0.0])
+        )
+    };
+    let light = "Lights { PointLight { position -1 1.5 0.4 color 3 3 3 attenuation 0 0 1 } }";
+    let found = mean(&scene(&text(light)), WALKS, 4000);
+    let plain = mean(&scene(&text(light)), PathSettings { caustics: Caustics::Scattering, ..WALKS }, 10);
+    // From x = -1, and from x = 3 behind the mirror.
+    let share = |x: f64| 1.5 / (x * x + 1.5 * 1.5 + 0.4 * 0.4).powf(1.5);
+    let expected = plain.mean * (1.0 + share(3.0) / share(1.0));
+    if let Err(complaint) = found.check(expected, 0.02) {
+        panic!("{complaint}");
+    }
+}
+
+const BALL: &str = "MaterialIndex glass Sphere { center 0 1.2 0 radius 0.7 }";
+
+/// A floor under a small light at the angle `lean` from the vertical about the middle of what casts, seen at the distance `x` from its foot.
+fn under(casters: &str, x: f32, lean: f32, radius: f32) -> Scene {
+    let (s, c) = lean.sin_cos();
+    let radiance = 10.0 / (radius * radius);
+    let (lx, ly) = (3.0 * s, 1.2 + 3.0 * c);
+    scene(&format!(
+        "{} Materials {{ Matte floor {{ color 0.5 0.5 0.5 }}  Glass glass {{ indexOfRefraction 1.5 }}
+                         Glass tinted {{ indexOfRefraction 1.33  absorption 1 0.2 0.1 }}
+                         Glass flint {{ glass SF10 }}
+                         Metal mirror {{ metal gold }}
+                         Matte emitter {{ color 0 0 0  emission {radiance} }} }}
+         Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
+                  {casters}
+                  MaterialIndex emitter Sphere {{ center {lx} {ly} 0 radius {radius} }} }}",
+        camera([x, 0.1, 0.05], [x, 0.0, 0.0])
+    ))
+}
+
+/// Walks take nothing away and add nothing: the mean is that of paths that meet lights by chance, whatever casts the light, and there is less
+/// noise.
+#[test]
+fn walks_change_no_mean() {
+    let ellipsoid = "MaterialIndex tinted
+         Transform { Translate 0 1.2 0 ZRotate 30 Scale 0.7 0.35 0.6 Sphere { center 0 0 0 radius 1 } }";
+    let lens = "MaterialIndex glass
+         Intersection { Sphere { center 0 0.5 0 radius 1 } Sphere { center 0 1.9 0 radius 1 } }";
+    let bulb = "MaterialIndex glass
+         Difference { Sphere { center 1.438 3.833 0 radius 0.6 } Sphere { center 1.438 3.833 0 radius 0.55 } }";
+    let pond = "MaterialIndex tinted Box { min -3 -0.5 -3 max 3 0.5 3 }";
+    let ring = "MaterialIndex mirror Cylinder { base 0 0.01 0 top 0 0.6 0 radius 0.9 capped off }";
+    let mirror = "MaterialIndex mirror Sphere { center -1.2 0.9 0 radius 0.4 }";
+    for (casters, x, bounces, gain) in [
+        (BALL, -0.1, 2, 20.0),
+        (BALL, -0.6, 2, 2.0),
+        (ellipsoid, -0.75, 2, 2.0),
+        (lens, -0.75, 2, 2.0),
+        (bulb, -0.3, 2, 20.0),
+        (pond, -0.75, 1, 20.0),
+        (ring, -0.75, 1, 2.0),
+        (mirror, -0.1, 1, 20.0),
+    ] {
+        let scene = under(casters, x, 0.5, 0.08);
+        let settings = PathSettings { bounces, ..WALKS };
+        let walks = mean(&scene, settings, 500);
+        let plain = mean(&scene, PathSettings { caustics: Caustics::Scattering, ..settings }, 20000);
+        let sigma = walks.standard_error.hypot(plain.standard_error);
+        assert!((walks.mean - plain.mean).abs() < 4.0 * sigma, "{casters} {x}: {walks:?} {plain:?}");
+        // The same number of paths would have 40 times the variance of that many.
+        let gained = 40.0 * (plain.standard_error / walks.standard_error).powi(2);
+        assert!(gained > gain, "{casters} {x}: {gained}");
+    }
+}
+
+/// Glass that refracts by wavelength has chains of one wavelength, and all three channels have the light of paths.
+#[test]
+fn dispersion_is_that_of_paths() {
+    let scene = under("MaterialIndex flint Sphere { center 0 1.2 0 radius 0.7 }", -0.5, 0.5, 0.08);
+    let settings = PathSettings { spectral: true, ..WALKS };
+    for lane in 0..3 {
+        let found = |settings, paths| {
+            let integrator = integrator_of(&scene.output.camera, &scene, settings, [1, 1], LayerSet::of(&[]));
+            mean_of(&*integrator, paths, lane)
+        };
+        let (walks, plain) =
+            (found(settings, 500), found(PathSettings { caustics: Caustics::Scattering, ..settings }, 20000));
+        let sigma = walks.standard_error.hypot(plain.standard_error);
+        assert!((walks.mean - plain.mean).abs() < 4.0 * sigma, "{lane}: {walks:?} {plain:?}");
+    }
+}
+
+/// Light from infinitely far away goes through a slab in its own direction, weakened at both sides: `E = T^2 cos`.
+#[test]
+fn a_slab_weakens_the_light_of_a_direction() {
+    let light = "Lights { DirectionalLight { direction 0.6 -0.8 0 color 3 3 3 } }";
+    let found = mean(&slab(0.0, light, "Glass glass { indexOfRefraction 1.5 }", ""), WALKS, 4000);
+    let open = slab(0.0, light, "Glass glass { thickness 0  indexOfRefraction 1 }", "");
+    let plain = mean(&open, PathSettings { caustics: Caustics::Scattering, ..WALKS }, 10);
+    let expected = plain.mean * fresnel(0.8, 1.5).powi(2);
+    if let Err(complaint) = found.check(expected, 0.02) {
+        panic!("{complaint} {}", plain.mean);
+    }
+}
+
+/// Chains are no longer than paths may be, and scenes in which nothing casts light have the very samples of paths.
+#[test]
+fn walks_keep_to_the_limits_of_paths() {
+    let scene = under(BALL, -0.6, 0.5, 0.02);
+    let one = mean(&scene, PathSettings { bounces: 1, ..WALKS }, 200);
+    assert_eq!(
+        one.mean,
+        mean(&scene, PathSettings { bounces: 1, caustics: Caustics::Scattering, ..WALKS }, 200).mean
+    );
+    let bare = under("", -0.6, 0.5, 0.02);
+    let plain = PathSettings { caustics: Caustics::Scattering, ..WALKS };
+    assert_eq!(mean(&bare, WALKS, 50).mean, mean(&bare, plain, 50).mean);
+}
+
+/// A clear ball in an even light is not seen, nor is its shadow.
+#[test]
+fn a_furnace_stays_white() {
+    let text = format!(
+        "{} Background {{ color 1 1 1 }} Materials {{ Matte floor {{ color 1 1 1 }} Glass glass {{ }} }}
+         Group {{ MaterialIndex floor Sphere {{ center 0 -1 0 radius 1 }} {BALL} }}",
+        camera([0.3, 0.1, 0.05], [0.0, 0.0, 0.0])
+    );
+    let found = mean(&scene(&text), PathSettings { bounces: 100, ..WALKS }, 400);
+    if let Err(complaint) = found.check(1.0, 0.02) {
+        panic!("{complaint}");
+    }
+}
+
+/// Where light is scattered on its way nothing is drawn through glass, and that is said.
+#[test]
+fn media_are_told_of() {
+    let text = format!(
+        "{} Media {{ Medium haze {{ meanFreePath 40 }} exterior haze }} Group {{ {BALL} }}",
+        camera([0.0; 3], [1.0; 3])
+    );
+    let text = text.replace("Group", "Materials { Glass glass { } } Group");
+    let foggy = scene(&text);
+    assert!(foggy.has_media() && !WALKS.walks_in(&foggy));
+    assert_eq!(crate::integrator::Prepare::left_out(&WALKS, &foggy, [1, 1]).len(), 1);
+    let clear = under(BALL, 0.0, 0.0, 0.1);
+    assert!(WALKS.walks_in(&clear));
+    assert!(crate::integrator::Prepare::left_out(&WALKS, &clear, [1, 1]).is_empty());
+}

@@ -1,0 +1,362 @@
+//! Manifold next-event estimation: lights that are drawn for a vertex though glass stands before them, or by way of a mirror [Hanika, Droske and
+//! Fascione 2015; Zeltner, Georgiev and Jakob 2020].
+//!
+//! For a vertex `x0` a light is chosen as for direct light, and a point `y` of it drawn with the density `p_A` per area: of all its surface, since
+//! through glass other parts of it may shine than those that are seen straight. Then a [`ManifoldWalk`] looks for
+//! the directions `w` in which chains of refractions join both, or one reflection, by way of a caster: an object of smooth glass or
+//! metal, chosen with the probability `c`. Per solid angle at `x0` such a direction has been drawn with the density
+//!
+//! ```text
+//! q(w) = c p_A dA/dw = c p_A |det J| / |cos_y|
+//! ```
+//!
+//! and `f |cos| T Le / q` is an estimate of the light that comes so, with `T` the product of Fresnel's factors, squares of indices and
+//! absorption. The path's own scattering finds the same light with the density `p(w)`, which is that of `w` at `x0` times the
+//! probabilities of all that happens on the way. Each counts by the power heuristic of `p` and `q`, as for direct light.
+//!
+//! There may be more chains from `x0` to `y` than walks find. They are deterministic, so for a path that has met `y` by chance the same walks
+//! are made, and
+//!
+//! ```text
+//! q = 0   unless one of them ends in the chain that the path has gone along
+//! ```
+//!
+//! Then it counts in full. So nothing is counted twice or left out, whichever chains walks miss; only lights without extent,
+//! which no path meets, have the light of no other chains than those that are found.
+
+use kajo_color::{Spectrum, sensor};
+use kajo_core::bsdf::{Bsdf, Transport};
+use kajo_core::light::{AreaLight, LightHit, LightLiSample, LightPoint, Receiver};
+use kajo_core::scene::Interaction;
+use kajo_core::settings::Technique;
+use kajo_core::{ObjectId, Pooled};
+use kajo_math::{Ray, Vec2, Vec3};
+
+use super::casters::Casters;
+use super::crossed::Crossed;
+use super::{CameraPath, IndirectLight, PathTracer, directions, power_heuristic};
+use crate::integrator::transport::{
+    Caster, ChainStart, DrawnLight, Link, LocalFrame, MOST_CHAINS, ManifoldWalk, MediumStack, PathState,
+    SpecularChain, SurfaceInteraction, Via, connect,
+};
+use crate::trail::{About, PathObserver, RayKind};
+
+/// Lights are drawn that shine through glass or by way of mirrors.
+pub struct ThroughGlass<'c> {
+    casters: &'c Casters,
+    crossed: Option<Crossed>,
+}
+
+impl<'c> ThroughGlass<'c> {
+    /// * `casters`: of the scene
+    pub fn new(casters: &'c Casters) -> ThroughGlass<'c> {
+        ThroughGlass { casters, crossed: None }
+    }
+}
+
+impl IndirectLight for ThroughGlass<'_> {
+    const IS_ASKED: bool = false;
+    const WALKS: bool = true;
+
+    fn crossed(&mut self) -> Option<&mut Option<Crossed>> {
+        Some(&mut self.crossed)
+    }
+
+    fn casters(&self) -> Option<&Casters> {
+        (!self.casters.is_empty()).then_some(self.casters)
+    }
+}
+
+/// How near a ray to a point of a light has to come to it, in shares of its length.
+const REACH: f32 = 1e-3;
+
+/// Lights that would fill more of what a receiver sees than this, in steradians, are met by chance often enough.
+const LARGEST_LIGHT: f32 = 0.02;
+
+/// A point of a light that chains lead to.
+#[derive(Clone, Copy)]
+struct End {
+    at: LightPoint,
+    /// Unit direction of the straight line to it.
+    wi: Vec3,
+}
+
+/// A chain whose last segment is clear.
+#[derive(Clone, Copy)]
+struct Found {
+    chain: SpecularChain,
+    /// Density of its direction at the receiver per solid angle over that of its end per area; over that of the straight line where the end is no
+    /// point of a surface.
+    density: f32,
+    /// The point of the light, where that is a surface.
+    lit: Option<Interaction>,
+}
+
+impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
+    /// Forgets where the path was scattered last, since it has not come along a chain.
+    pub(super) fn forget_crossed(&mut self) {
+        if let Some(crossed) = self.indirect.crossed() {
+            *crossed = None;
+        }
+    }
+
+    /// Notes that the path goes on from a surface.
+    #[inline(never)]
+    pub(super) fn note_crossed(
+        &mut self,
+        path: &CameraPath<'s>,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'_>,
+    ) {
+        let scene = self.scene();
+        let Some(noted) = self.indirect.crossed() else { return };
+        let state = &path.state;
+        if state.connectable {
+            let start = leaving(surface, state.media);
+            let (d, pdf, first) = (state.ray.d, path.pdf, ObjectId::default());
+            *noted = Some(Crossed { start, receiver: path.receiver, d, pdf, via: None, first });
+            return;
+        }
+        let Some(crossed) = noted else { return };
+        let link = Link::at(scene, surface, bsdf, &scene.shading(&surface.at, surface.u));
+        let ng = surface.at.point.ng;
+        let is_refracted = state.ray.d.dot(ng) * surface.wo.dot(ng) < 0.0;
+        let via = match (link, crossed.via) {
+            (Some(Link::Boundary), None) if is_refracted => Via::Boundaries(1),
+            (Some(Link::Boundary), Some(Via::Boundaries(n))) if is_refracted => Via::Boundaries(n + 1),
+            (Some(Link::Mirror), None) => Via::Mirror,
+            _ => return *noted = None,
+        };
+        if crossed.via.is_none() {
+            crossed.first = surface.at.object;
+        }
+        crossed.via = Some(via);
+    }
+
+    /// The weight of light that the path has met behind mirrors or clear boundaries.
+    ///
+    /// * `at`, `d`: as for [`PathTracer::mis_weight`]
+    #[inline(never)]
+    pub(super) fn weight_behind_glass(
+        &mut self,
+        path: &CameraPath<'s>,
+        hit: &LightHit,
+        at: &LightPoint,
+        d: Vec3,
+    ) -> f32 {
+        let technique = self.settings.technique;
+        let crossed = self.indirect.crossed().and_then(|crossed| *crossed);
+        let Some((crossed, via)) = crossed.and_then(|crossed| Some((crossed, crossed.via?))) else {
+            return 1.0;
+        };
+        if technique == Technique::Scattering {
+            return 1.0;
+        }
+        let Crossed { start, receiver, .. } = &crossed;
+        let (scene, settings) = (self.scene(), self.settings);
+        let (end, pdf) = match at {
+            LightPoint::Infinite { .. } => {
+                let at = LightPoint::Infinite { through: receiver.p };
+                let pdf = scene.pdf_li(hit.light, receiver, &at, d, settings.light_choice);
+                (End { at, wi: d }, pdf)
+            }
+            _ => {
+                let end = End { at: *at, wi: (at.p() - receiver.p).normalize_or_zero() };
+                let chosen = scene.lighting.sampler.pmf(hit.light, receiver, settings.light_choice);
+                let light = AreaLight::find(&scene.lighting.lights, scene.lighting.sampler.id(hit.light));
+                let pdf = light.map_or(0.0, |light| light.pdf_area(at.p(), receiver.time));
+                (end, if is_small(receiver, at.p(), pdf) { chosen * pdf } else { 0.0 })
+            }
+        };
+        if pdf <= 0.0 {
+            return 1.0;
+        }
+        let before = self.before(start, &end);
+        let caster =
+            self.indirect.casters().and_then(|casters| casters.find(receiver.p, before, crossed.first));
+        let Some((caster, choice)) = caster else { return 1.0 };
+        let chains = self.chains_by_caster(&path.state, start, &end, &caster);
+        let is_gone = |found: &Found| found.chain.is_along(crossed.d, via);
+        let Some(found) = chains.into_iter().flatten().find(is_gone) else { return 1.0 };
+        match technique {
+            Technique::Lights => 0.0,
+            _ => power_heuristic(crossed.pdf * found.chain.probability, choice * pdf * found.density),
+        }
+    }
+
+    /// Adds light of a point that was drawn for a vertex, as it comes through glass or by way of mirrors.
+    ///
+    /// Takes a number for the choice of a caster.
+    #[inline(never)]
+    pub(super) fn add_light_through_glass(
+        &mut self,
+        path: &mut CameraPath<'s>,
+        surface: &SurfaceInteraction,
+        (bsdf, local): (&Bsdf<'s>, &LocalFrame),
+        drawn: &DrawnLight,
+    ) {
+        if path.bounces >= self.settings.bounces || self.settings.only_mirrors {
+            return;
+        }
+        let (scene, li, state) = (self.scene(), &drawn.li, &mut path.state);
+        let p = surface.at.point.p;
+        let u = state.draws.next_1d();
+        let (mut end, mut pdf) = (End { at: li.at, wi: li.wi }, drawn.pdf);
+        if let LightPoint::Surface { .. } = li.at {
+            let light = AreaLight::find(&scene.lighting.lights, scene.lighting.sampler.id(drawn.light));
+            let point = light.and_then(|light| light.sample_area(state.draws.next_2d(), surface.at.time));
+            let Some((at, pdf_area)) = point else { return };
+            let to = Receiver { p, n: Vec3::ZERO, time: surface.at.time };
+            if !is_small(&to, at.p(), pdf_area) {
+                return;
+            }
+            end = End { at, wi: (at.p() - p).normalize_or_zero() };
+            pdf = pdf_area * drawn.pdf / li.pdf;
+        }
+        let start = leaving(surface, state.media);
+        let before = self.before(&start, &end);
+        let caster = self.indirect.casters().and_then(|casters| casters.choose(p, before, u));
+        let Some((caster, choice)) = caster else { return };
+        let drawn =
+            DrawnLight { light: drawn.light, li: LightLiSample { at: end.at, wi: end.wi, ..*li }, pdf };
+        let state = path.state;
+        for found in self.chains_by_caster(&state, &start, &end, &caster).iter().flatten() {
+            self.add_light_of_chain(path, surface, (bsdf, local), (&drawn, found, choice));
+        }
+    }
+
+    /// Adds light that comes along a chain.
+    ///
+    /// * `choice`: the probability with which its caster was chosen
+    fn add_light_of_chain(
+        &mut self,
+        path: &CameraPath<'s>,
+        surface: &SurfaceInteraction,
+        (bsdf, local): (&Bsdf<'s>, &LocalFrame),
+        (drawn, found, choice): (&DrawnLight, &Found, f32),
+    ) {
+        let (scene, settings, state) = (self.scene(), self.settings, &path.state);
+        let DrawnLight { light, li, pdf } = drawn;
+        let chain = &found.chain;
+        if path.bounces + chain.via.bounces() > settings.bounces {
+            return;
+        }
+        let Some(wi) = local.to_local(chain.d) else { return };
+        let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
+        let mut wavelengths = state.wavelengths;
+        if chain.is_dispersive {
+            wavelengths.terminate_secondary();
+        }
+        let radiance = match (&li.at, &found.lit) {
+            (LightPoint::Surface { .. }, Some(lit)) => {
+                let hit = scene.surface_light(lit, chain.arrives, &wavelengths);
+                hit.filter(|hit| hit.light == *light).map(|hit| hit.radiance)
+            }
+            // Of a point with a falloff of its own light has gone as far as the straight line is long.
+            (LightPoint::Position(p), _) => {
+                let p = *p - chain.arrives * (*p - surface.at.point.p).length();
+                let to = Receiver { p, n: Vec3::ZERO, time: surface.at.time };
+                scene.sample_li(*light, &to, Vec2::ZERO, &wavelengths).map(|li| li.radiance)
+            }
+            _ => Some(li.radiance),
+        };
+        let Some(radiance) = radiance else { return };
+        let carried = state.beta * scattered * chain.throughput;
+        let q = choice * pdf * found.density;
+        let p = directions::pdf(settings.directions, bsdf, local.wo, wi) * chain.probability;
+        let weight = match settings.technique {
+            Technique::Combined if !li.is_delta => power_heuristic(q, p),
+            _ => 1.0,
+        };
+        let added = carried * radiance * (weight / q);
+        if !added.is_finite() || added.is_black() {
+            return;
+        }
+        let rgb = sensor::to_rgb(added, &wavelengths);
+        let about = || About {
+            eta: state.media.eta(),
+            weight: sensor::to_rgb(carried, &wavelengths),
+            light: Some(scene.lighting.sampler.id(*light)),
+        };
+        self.observer.joined(RayKind::Shadow, scene, &chain.last, about, || rgb);
+        self.estimate.add_sensed(state, &wavelengths, added, scene.lighting.sampler.group(*light));
+    }
+
+    /// The object that the straight line to an end meets first.
+    fn before(&mut self, start: &ChainStart, end: &End) -> Option<ObjectId> {
+        let ray = start.point.ray_to(&end.at, end.wi, start.time);
+        self.observer.counters().shadow += 1;
+        let mut at = Interaction::default();
+        self.scene().trace_into(None, &ray, &mut at).then_some(at.object)
+    }
+
+    /// The chains by way of a caster whose last segments are clear.
+    fn chains_by_caster(
+        &mut self,
+        state: &PathState<'s>,
+        start: &ChainStart,
+        end: &End,
+        caster: &Caster,
+    ) -> [Option<Found>; MOST_CHAINS] {
+        let mut walk = ManifoldWalk::new(self.scene(), start, &state.wavelengths, state.draws);
+        let chains = walk.by_caster(&end.at, end.wi, caster);
+        *self.observer.counters() += walk.rays();
+        chains.map(|chain| self.clear(state, start, end, chain?))
+    }
+
+    /// A chain, if nothing is in the way of its last segment.
+    fn clear(
+        &mut self,
+        state: &PathState<'s>,
+        start: &ChainStart,
+        end: &End,
+        chain: SpecularChain,
+    ) -> Option<Found> {
+        let scene = self.scene();
+        let mut found = Found { chain, density: chain.spread, lit: None };
+        match end.at {
+            LightPoint::Surface { p, n, .. } => {
+                let to_end = p - chain.last.o;
+                let distance = to_end.length();
+                let ray = Ray { d: to_end / distance, t_max: distance * (1.0 + REACH), ..chain.last };
+                self.observer.counters().shadow += 1;
+                let mut at = Interaction::default();
+                let hits = scene.trace_into(None, &ray, &mut at);
+                if !hits || at.hit.t < distance * (1.0 - REACH) {
+                    return None;
+                }
+                found.density /= n.dot(chain.arrives).abs();
+                found.lit = Some(at);
+            }
+            LightPoint::Position(p) => {
+                self.is_clear(state, &chain, &Ray { d: p - chain.last.o, t_max: 1.0, ..chain.last })?;
+                found.density /= (p - start.point.p).length_squared();
+            }
+            LightPoint::Infinite { .. } => self.is_clear(state, &chain, &chain.last)?,
+        }
+        (found.density > 0.0 && found.density.is_finite()).then_some(found)
+    }
+
+    /// Panes that a path passes at random are in the way: it has then not come along a chain.
+    fn is_clear(&mut self, state: &PathState<'s>, chain: &SpecularChain, last: &Ray) -> Option<()> {
+        let (scene, mut draws) = (self.scene(), state.draws);
+        let eta = chain.media.eta_of_segment(scene);
+        let visible = connect(scene, last, eta, &state.wavelengths, &mut draws, self.observer);
+        (visible == Spectrum::WHITE).then_some(())
+    }
+}
+
+/// Whether a light is worth being drawn.
+///
+/// * `p`: a point of it, drawn with the density `pdf_area` per area
+fn is_small(to: &Receiver, p: Vec3, pdf_area: f32) -> bool {
+    pdf_area * (p - to.p).length_squared() > 1.0 / LARGEST_LIGHT
+}
+
+/// A surface as chains leave it: on the side of the path.
+///
+/// * `media`: around there
+fn leaving(surface: &SurfaceInteraction, media: MediumStack) -> ChainStart {
+    let point = surface.at.point;
+    ChainStart { point, time: surface.at.time, side: surface.wo.dot(point.ng), media }
+}
