@@ -9,8 +9,8 @@ use crate::emission::{Leaving, VariedEmission};
 use crate::ids::{LightIndex, VariedEmissionId};
 use crate::interaction::{SurfacePoint, SurfaceUv, test_error};
 use crate::light::{
-    AreaLight, BoundingSphere, EmissionPdf, EmissiveSurfaces, LeNumbers, LeavingLight, LightChoice, LightHit,
-    LightLeSample, LightLiSample, LightPoint, PowerLightSampler, Receiver,
+    AreaLight, BoundingSphere, EmissionPdf, EmissiveSurfaces, LeNumbers, LeavingLight, LightHit,
+    LightLeSample, LightLiSample, LightPoint, LightSelection, PowerLightSampler, Receiver,
 };
 use crate::material::{Interior, ShadingPoint};
 use crate::sampler::SampleStream;
@@ -135,15 +135,15 @@ impl Scene {
     ///
     /// * `at`: the point of the light in that direction
     #[inline]
-    pub fn pdf_li(
+    pub fn pdf_li<'a>(
         &self,
         light: LightIndex,
         to: &Receiver,
         at: &LightPoint,
         wi: Vec3,
-        choice: LightChoice,
+        by: impl Into<LightSelection<'a>>,
     ) -> f32 {
-        let probability = self.lighting.sampler.pmf(light, to, choice);
+        let probability = self.lighting.sampler.pmf(light, to, by);
         if probability > 0.0 {
             probability * self.lighting.lights.pdf_li(self.lighting.sampler.id(light), to, at, wi)
         } else {
@@ -161,7 +161,7 @@ impl Scene {
     ) -> Spectrum {
         let varied: &VariedEmission = &self.lighting.varied_emissions[emission.index()];
         let uv = if varied.needs_uv() { self.geometry.surface_uv(at) } else { SurfaceUv::default() };
-        let place = TextureContext {
+        let context = TextureContext {
             p: self.geometry.pattern_point(at),
             uv,
             tint: self.geometry.tint(at),
@@ -171,7 +171,7 @@ impl Scene {
             ..TextureContext::default()
         };
         let leaving = Leaving { p: at.point.p, d: Some(leaving) };
-        varied.at(&self.appearance.textures, &place, leaving, wavelengths)
+        varied.at(&self.appearance.textures, &context, leaving, wavelengths)
     }
 
     /// The lights for paths to begin at.

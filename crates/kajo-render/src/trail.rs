@@ -7,9 +7,9 @@
 //! radiance of the sample = sum over all segments of their contributions
 //! ```
 
-use kajo_core::Pooled;
-use kajo_core::light::{AreaLight, LightId, SkyLight};
+use kajo_core::light::{AreaLight, LightId, Receiver, SkyLight};
 use kajo_core::scene::{Interaction, RayEvent, Scene};
+use kajo_core::{LightIndex, Pooled};
 use kajo_math::{Ray, Vec3};
 
 use crate::RayCounters;
@@ -149,6 +149,9 @@ pub(crate) trait PathObserver: Default {
         _light: impl FnOnce() -> [f32; 3],
     ) {
     }
+
+    /// A light was drawn for a receiver that might scatter what it sends.
+    fn light_drawn(&mut self, _to: &Receiver, _light: LightIndex, _arrives: impl FnOnce() -> bool) {}
 
     /// All light found is not what is shown, but this.
     fn shown_instead(&mut self, _light: impl FnOnce() -> [f32; 3]) {}

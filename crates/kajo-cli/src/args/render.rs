@@ -104,7 +104,7 @@ pub struct RenderArgs {
     /// How direct light is estimated: combined, lights or scattering
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice_or(Technique::NAMES, Technique::SYNONYMS))]
     pub technique: Option<Technique>,
-    /// How lights are chosen: tree or uniform
+    /// How lights are chosen: tree, uniform or learned
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(LightChoice::NAMES))]
     pub light_choice: Option<LightChoice>,
     /// Paths: how lights behind smooth glass are found: scattering, or manifold to draw them as well

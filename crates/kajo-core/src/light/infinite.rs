@@ -9,7 +9,11 @@
 
 use super::SampledLight;
 use super::tree::FirstStep;
+use super::visibility::Mixture;
 use crate::ids::LightIndex;
+
+/// All of each part arrives.
+const ALL: [f32; 3] = [1.0; 3];
 
 /// Lights infinitely far away.
 #[derive(Debug, Default)]
@@ -51,6 +55,11 @@ impl InfiniteLights {
         self.directional.len() + usize::from(self.background.is_some())
     }
 
+    /// Whether a light is the background.
+    pub fn is_background(&self, light: LightIndex) -> bool {
+        Some(light) == self.background
+    }
+
     /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.directional) + size_of_val(&*self.upto)
@@ -59,13 +68,19 @@ impl InfiniteLights {
     /// The probability that one of a tree is chosen for a receiver, and not one of these.
     #[inline]
     pub fn share_of_tree(&self, step: &FirstStep) -> f32 {
-        let weight = self.weights[0] + self.weights[1];
+        self.share_of_tree_if(step, ALL)
+    }
+
+    /// The same where a share of each part is known to arrive.
+    #[inline]
+    pub fn share_of_tree_if(&self, step: &FirstStep, arrives: [f32; 3]) -> f32 {
+        let weight = self.weights[0] * arrives[0] + self.weights[1] * arrives[1];
         if weight == 0.0 {
             return 1.0;
         }
         match step.irradiance() {
             Some(irradiance) => {
-                let tree = irradiance.sqrt();
+                let tree = irradiance.sqrt() * arrives[2];
                 tree / (tree + weight)
             }
             None => 1.0 / (self.len() + 1) as f32,
@@ -77,31 +92,65 @@ impl InfiniteLights {
     /// * `u`: uniform in [0, 1)
     #[inline]
     pub fn sample(&self, u: f32) -> Option<SampledLight> {
-        let share = self.share_of_background();
+        let share = self.share_of_background(ALL);
         if let Some(background) = self.background
             && u < share
         {
             return Some(SampledLight::new(background, share, u / share));
         }
-        let u = (u - share) / (1.0 - share);
+        self.sample_directional((u - share) / (1.0 - share), 1.0 - share)
+    }
+
+    /// As [`InfiniteLights::sample`], by a mixture that knows what arrives.
+    pub fn sample_learned(&self, u: f32, arrives: [f32; 3], mixture: Mixture) -> Option<SampledLight> {
+        let (is_background, mixture, u) = mixture.step(self.shares_of_background(arrives), u);
+        match self.background {
+            Some(background) if is_background => {
+                Some(SampledLight::new(background, mixture.probability(), u))
+            }
+            _ => self.sample_directional(u, mixture.probability()),
+        }
+    }
+
+    /// Probability with which [`InfiniteLights::sample_learned`] chooses a light; 0 for one that is not among these.
+    pub fn pmf_learned(&self, light: LightIndex, arrives: [f32; 3], mixture: Mixture) -> f32 {
+        let shares = self.shares_of_background(arrives);
+        if Some(light) == self.background {
+            return mixture.after(shares).probability();
+        }
+        let i = self.directional.binary_search(&light);
+        let mixture = mixture.after(shares.map(|share| 1.0 - share));
+        i.map_or(0.0, |i| mixture.probability() * self.probability(i))
+    }
+
+    /// Chooses one of the directional lights.
+    ///
+    /// * `among`: the probability that it is one of them
+    #[inline]
+    fn sample_directional(&self, u: f32, among: f32) -> Option<SampledLight> {
         let i = self.upto.partition_point(|&upto| upto <= u).min(self.upto.len().checked_sub(1)?);
         let probability = self.probability(i);
         let rest = (u - self.before(i)) / probability;
-        Some(SampledLight::new(self.directional[i], (1.0 - share) * probability, rest))
+        Some(SampledLight::new(self.directional[i], among * probability, rest))
     }
 
     /// Probability with which [`InfiniteLights::sample`] chooses a light; 0 for one that is not among these.
     #[inline]
     pub fn pmf(&self, light: LightIndex) -> f32 {
         if Some(light) == self.background {
-            return self.share_of_background();
+            return self.share_of_background(ALL);
         }
         let i = self.directional.binary_search(&light);
-        i.map_or(0.0, |i| (1.0 - self.share_of_background()) * self.probability(i))
+        i.map_or(0.0, |i| (1.0 - self.share_of_background(ALL)) * self.probability(i))
     }
 
-    fn share_of_background(&self) -> f32 {
-        let [background, directional] = self.weights;
+    /// By importance, and by what is known to arrive too.
+    fn shares_of_background(&self, arrives: [f32; 3]) -> [f32; 2] {
+        [self.share_of_background(ALL), self.share_of_background(arrives)]
+    }
+
+    fn share_of_background(&self, arrives: [f32; 3]) -> f32 {
+        let [background, directional] = [0, 1].map(|i| self.weights[i] * arrives[i]);
         if background > 0.0 { background / (background + directional) } else { 0.0 }
     }
 

@@ -12,6 +12,7 @@
 mod area;
 mod bounding_sphere;
 mod bounds;
+mod choice;
 mod cluster;
 mod directional;
 mod emission_density;
@@ -25,11 +26,13 @@ mod sampler;
 mod sky;
 mod spot;
 mod tree;
+mod visibility;
 
 pub use crate::ids::MAX_LIGHT_GROUPS;
 pub use area::{AreaLight, PatchExtent, Sides};
 pub use bounding_sphere::BoundingSphere;
 pub use bounds::LightBounds;
+pub use choice::{LightChoice, LightSelection};
 pub use directional::DirectionalLight;
 pub use emission_density::{EmissionDensity, TableDetail};
 pub(crate) use groups::OTHER;
@@ -43,7 +46,8 @@ pub use sample::{
 pub use sampler::LightSampler;
 pub use sky::SkyLight;
 pub use spot::{SpotCone, SpotLight};
-pub use tree::{LightChoice, LightTree};
+pub use tree::LightTree;
+pub use visibility::{LightDraw, LightVisibility};
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};

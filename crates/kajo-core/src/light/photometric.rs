@@ -208,8 +208,8 @@ impl Emitter for PhotometricLight {
 
     fn is_finite(&self) -> bool {
         let Frame { s, t, n } = self.frame;
-        let places = [self.position, s, t, n];
-        places.iter().all(|v| v.is_finite()) && self.intensity.is_finite() && self.emission.is_finite()
+        let vectors = [self.position, s, t, n];
+        vectors.iter().all(|v| v.is_finite()) && self.intensity.is_finite() && self.emission.is_finite()
     }
 
     #[inline]

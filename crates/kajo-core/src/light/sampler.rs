@@ -4,7 +4,12 @@ use kajo_color::Wavelengths;
 use kajo_math::Vec3;
 
 use super::infinite::InfiniteLights;
-use super::{AreaLight, Emitter, LightChoice, LightHit, LightId, LightTree, Lights, Receiver, SampledLight};
+use super::tree::FirstStep;
+use super::visibility::{LightPart, Mixture, RegionVisibility};
+use super::{
+    AreaLight, Emitter, LightDraw, LightHit, LightId, LightSelection, LightTree, LightVisibility, Lights,
+    Receiver, SampledLight,
+};
 use crate::ids::{LightGroup, LightIndex, ObjectId};
 
 /// The lights of a scene, in one list: those of the file, then the patches of emissive objects, then the background.
@@ -148,15 +153,24 @@ impl LightSampler {
     ///
     /// * `u`: uniform in [0, 1)
     #[inline]
-    pub fn sample(&self, to: &Receiver, u: f32, choice: LightChoice) -> Option<SampledLight> {
+    pub fn sample<'a>(
+        &self,
+        to: &Receiver,
+        u: f32,
+        by: impl Into<LightSelection<'a>>,
+    ) -> Option<SampledLight> {
         if let [only] = *self.choosable {
             return Some(SampledLight::new(only, 1.0, u));
         }
-        if choice == LightChoice::Uniform {
-            let n = self.len();
-            let place = u * n as f32;
-            let i = (place as usize).min(n.checked_sub(1)?);
-            return Some(SampledLight::new(self.choosable[i], 1.0 / n as f32, place - i as f32));
+        match by.into() {
+            LightSelection::Tree => {}
+            LightSelection::Uniform => {
+                let n = self.len();
+                let scaled = u * n as f32;
+                let i = (scaled as usize).min(n.checked_sub(1)?);
+                return Some(SampledLight::new(self.choosable[i], 1.0 / n as f32, scaled - i as f32));
+            }
+            LightSelection::Learned(visibility) => return self.sample_learned(to, u, visibility),
         }
         let step = self.tree.first_step(to);
         let share = self.infinite.share_of_tree(&step);
@@ -170,14 +184,18 @@ impl LightSampler {
 
     /// Probability with which [`LightSampler::sample`] chooses a light for a receiver.
     #[inline]
-    pub fn pmf(&self, light: LightIndex, to: &Receiver, choice: LightChoice) -> f32 {
+    pub fn pmf<'a>(&self, light: LightIndex, to: &Receiver, by: impl Into<LightSelection<'a>>) -> f32 {
         if let [only] = *self.choosable {
             return if only == light { 1.0 } else { 0.0 };
         }
         let in_tree = self.tree.has(light);
-        if choice == LightChoice::Uniform {
-            let can_be_chosen = in_tree || self.infinite.pmf(light) > 0.0;
-            return if can_be_chosen { 1.0 / self.len() as f32 } else { 0.0 };
+        match by.into() {
+            LightSelection::Tree => {}
+            LightSelection::Uniform => {
+                let can_be_chosen = in_tree || self.infinite.pmf(light) > 0.0;
+                return if can_be_chosen { 1.0 / self.len() as f32 } else { 0.0 };
+            }
+            LightSelection::Learned(visibility) => return self.pmf_learned(light, to, visibility),
         }
         let step = self.tree.first_step(to);
         let share = self.infinite.share_of_tree(&step);
@@ -186,6 +204,41 @@ impl LightSampler {
         } else {
             (1.0 - share) * self.infinite.pmf(light)
         }
+    }
+
+    fn sample_learned(&self, to: &Receiver, u: f32, visibility: &LightVisibility) -> Option<SampledLight> {
+        let (known, step) = (visibility.region(to.p), self.tree.first_step(to));
+        let (in_tree, mixture, u) = Mixture::START.step(self.shares_of_tree(&step, &known), u);
+        if in_tree {
+            self.tree.sample_learned(to, &step, u, &known, mixture)
+        } else {
+            self.infinite.sample_learned(u, known.parts, mixture)
+        }
+    }
+
+    fn pmf_learned(&self, light: LightIndex, to: &Receiver, visibility: &LightVisibility) -> f32 {
+        let (known, step) = (visibility.region(to.p), self.tree.first_step(to));
+        let shares = self.shares_of_tree(&step, &known);
+        if self.tree.has(light) {
+            self.tree.pmf_learned(light, to, &step, &known, Mixture::START.after(shares))
+        } else {
+            let mixture = Mixture::START.after(shares.map(|share| 1.0 - share));
+            self.infinite.pmf_learned(light, known.parts, mixture)
+        }
+    }
+
+    /// The probability that a light has a position, by importance and by what is known to arrive too.
+    fn shares_of_tree(&self, step: &FirstStep, known: &RegionVisibility<'_>) -> [f32; 2] {
+        [self.infinite.share_of_tree(step), self.infinite.share_of_tree_if(step, known.parts)]
+    }
+
+    /// A table of what arrives, of draws by [`LightSampler::sample`].
+    pub fn learn(&self, draws: Vec<LightDraw>) -> LightVisibility {
+        LightVisibility::learn(draws, |light| match self.tree.trail(light) {
+            Some(trail) => LightPart::InTree { trail },
+            None if self.infinite.is_background(light) => LightPart::Background,
+            None => LightPart::Directional,
+        })
     }
 
     /// The patch of a part of an emissive object.

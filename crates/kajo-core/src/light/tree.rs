@@ -9,24 +9,9 @@ use std::f32::consts::PI;
 use kajo_math::Aabb;
 
 use super::cluster::{LightCluster, LightMoments};
+use super::visibility::{self, Mixture, RegionVisibility};
 use super::{LightBounds, Receiver, SampledLight};
 use crate::ids::LightIndex;
-
-/// How a light is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LightChoice {
-    /// By what it may contribute.
-    #[default]
-    Tree,
-    /// Each as often as any other.
-    Uniform,
-}
-
-impl LightChoice {
-    /// Names on the command line and in `Settings`, with the rules.
-    pub const NAMES: [(&'static str, LightChoice); 2] =
-        [("tree", LightChoice::Tree), ("uniform", LightChoice::Uniform)];
-}
 
 /// The lights of a scene that have a position, ready to be chosen from.
 #[derive(Debug, Default)]
@@ -164,12 +149,76 @@ impl LightTree {
         }
     }
 
+    /// As [`LightTree::sample`], by a mixture that knows what arrives.
+    #[inline(never)]
+    pub(super) fn sample_learned(
+        &self,
+        to: &Receiver,
+        step: &FirstStep,
+        mut u: f32,
+        known: &RegionVisibility<'_>,
+        mut mixture: Mixture,
+    ) -> Option<SampledLight> {
+        let (mut at, mut node, mut importances) = (0, visibility::ROOT, step.importances);
+        loop {
+            let second = match self.nodes.get(at)?.content {
+                NodeContent::Leaf(light) => return Some(SampledLight::new(light, mixture.probability(), u)),
+                NodeContent::Inner { second } => second as usize,
+            };
+            let (shares, first) = learned_shares(importances, known, node)?;
+            let is_first;
+            (is_first, mixture, u) = mixture.step(shares, u);
+            (at, node) = if is_first { (at + 1, first) } else { (second, first + 1) };
+            importances = self.importances_below(at, to);
+        }
+    }
+
+    /// The probability with which [`LightTree::sample_learned`] chooses a light for a receiver.
+    #[inline(never)]
+    pub(super) fn pmf_learned(
+        &self,
+        light: LightIndex,
+        to: &Receiver,
+        step: &FirstStep,
+        known: &RegionVisibility<'_>,
+        mut mixture: Mixture,
+    ) -> f32 {
+        let mut trail = self.trails[light.index()];
+        if trail == NEVER {
+            return 0.0;
+        }
+        let (mut at, mut node, mut importances) = (0, visibility::ROOT, step.importances);
+        loop {
+            let NodeContent::Inner { second } = self.nodes[at].content else { return mixture.probability() };
+            let Some((shares, first)) = learned_shares(importances, known, node) else { return 0.0 };
+            if trail & 1 == 0 {
+                mixture = mixture.after(shares);
+                (at, node) = (at + 1, first);
+            } else {
+                mixture = mixture.after(shares.map(|share| 1.0 - share));
+                (at, node) = (second as usize, first + 1);
+            }
+            trail >>= 1;
+            importances = self.importances_below(at, to);
+        }
+    }
+
+    /// The turns from the root to a light of the tree, first turn in bit 0.
+    pub(super) fn trail(&self, light: LightIndex) -> Option<u64> {
+        self.trails.get(light.index()).copied().filter(|&trail| trail != NEVER)
+    }
+
+    /// What a node's two children may send to a receiver; nothing where it has none.
+    #[inline]
+    fn importances_below(&self, at: usize, to: &Receiver) -> [f32; 2] {
+        let NodeContent::Inner { second } = self.nodes[at].content else { return [0.0; 2] };
+        [at + 1, second as usize].map(|at| self.nodes[at].cluster.importance(to.p, to.n))
+    }
+
     /// The probability of the first of a node's two children; `None` when neither reaches the receiver, or it has none.
     #[inline]
     fn share_of_first(&self, at: usize, to: &Receiver) -> Option<f32> {
-        let NodeContent::Inner { second } = self.nodes[at].content else { return None };
-        let importances = [at + 1, second as usize].map(|at| self.nodes[at].cluster.importance(to.p, to.n));
-        share_of_first(importances)
+        share_of_first(self.importances_below(at, to))
     }
 
     /// Adds the subtree over some lights.
@@ -222,6 +271,19 @@ impl FirstStep {
 fn share_of_first([first, second]: [f32; 2]) -> Option<f32> {
     let sum = first + second;
     (sum > 0.0).then(|| first / sum)
+}
+
+/// The probability of the first of two children by their importance, and by what of it is known to arrive; with the number of the first.
+#[inline]
+fn learned_shares(
+    importances: [f32; 2],
+    known: &RegionVisibility<'_>,
+    node: usize,
+) -> Option<([f32; 2], usize)> {
+    let ([q, r], first) = known.children(node);
+    let [a, b] = importances;
+    let by_importance = share_of_first(importances)?;
+    Some(([by_importance, share_of_first([a * q, b * r]).unwrap_or(by_importance)], first))
 }
 
 /// Sorts the lights of a node into two parts; returns the length of the first, at least 1.

@@ -72,7 +72,14 @@ macro_rules! settings {
                     $(IntegratorSettings::$Variant(settings) => settings.left_out(scene, size),)+
                 };
                 left_out.extend(spec::without_frames(scene).filter(|_| !self.follows_frames()));
+                left_out.extend(spec::without_learning(&self.values()).filter(|_| !self.learns_lights(scene)));
                 left_out
+            }
+
+            fn learns_lights(&self, scene: &Scene) -> bool {
+                match self {
+                    $(IntegratorSettings::$Variant(settings) => settings.learns_lights(scene),)+
+                }
             }
 
             fn follows_frames(&self) -> bool {

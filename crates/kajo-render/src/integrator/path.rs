@@ -26,6 +26,7 @@
 //! the others end.
 
 mod directions;
+mod learned;
 mod relativistic;
 mod settings;
 mod tracer;
@@ -35,6 +36,7 @@ use std::mem;
 use kajo_color::Spectrum;
 use kajo_core::bsdf::Transport;
 use kajo_core::camera::Camera;
+use kajo_core::light::{LightChoice, LightSelection};
 use kajo_core::scene::Scene;
 use kajo_core::settings::Directions;
 use kajo_math::Vec2;
@@ -43,7 +45,7 @@ use super::Integrator;
 use super::camera_view::{CameraView, in_white_light};
 use super::transport::{LaneMis, PathState};
 use crate::trail::PathObserver;
-use crate::{LayerSet, PixelSample, SampleContext};
+use crate::{LayerSet, PixelSample, SampleContext, Setup, SetupError, WithState};
 pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 pub(super) use tracer::power_heuristic;
@@ -138,6 +140,15 @@ impl Integrator for Path<'_> {
     ) -> PixelSample {
         self.observe_with(ctx, raster, observer, Sampled).0
     }
+
+    fn samples_per_state(&self) -> Option<u32> {
+        let is_choice = self.view.scene.lighting.sampler.len() > 1;
+        (is_choice && self.settings.light_choice == LightChoice::Learned).then_some(u32::MAX)
+    }
+
+    fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        learned::prepare(self, setup)
+    }
 }
 
 impl Path<'_> {
@@ -148,6 +159,18 @@ impl Path<'_> {
         raster: Vec2,
         observer: &mut O,
         indirect: C,
+    ) -> (PixelSample, C) {
+        self.observe_choosing(ctx, raster, observer, indirect, self.settings.light_choice.into())
+    }
+
+    /// The same with another choice of lights than that of the settings.
+    fn observe_choosing<O: PathObserver, C: IndirectLight>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        raster: Vec2,
+        observer: &mut O,
+        indirect: C,
+        lights: LightSelection<'_>,
     ) -> (PixelSample, C) {
         let mut draws = ctx.draws;
         let differential = self.view.differential(raster, draws, ctx.sampler.samples());
@@ -163,7 +186,8 @@ impl Path<'_> {
         observer.counters().camera += 1;
         let forks = self.forks().then(|| mem::take(&mut ctx.scratch.get::<ForkRoom<O::Mark>>().0));
         let forks = forks.map_or_else(Vec::new, emptied);
-        let mut tracer = PathTracer::new(&self.view, &self.settings, observer, indirect, forks);
+        let mut tracer =
+            PathTracer::new(&self.view, &self.settings, observer, indirect, forks).choosing(lights);
         let (radiance, found) = tracer.run(CameraPath::new(state, &self.settings));
         if self.view.wants_albedo() {
             ctx.aux.albedo = in_white_light(found.albedo.unwrap_or(Spectrum::BLACK), &wavelengths);

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use kajo_core::camera::Camera;
+use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 use kajo_core::space::Space;
@@ -131,6 +132,15 @@ pub fn without_frames(scene: &Scene) -> Option<&'static str> {
     scene.relativity.is_some().then_some(WITHOUT_FRAMES)
 }
 
+/// The note of integrators that do not learn which lights arrive.
+const WITHOUT_LEARNING: &str = "lights are chosen as by `lightChoice tree`: which of them arrive is learned by `path`, `direct` and \
+     `distribution`, not with `caustics manifold` and not at speeds near that of light";
+
+/// Why lights are not chosen by what is learned, where that is asked for.
+pub fn without_learning(values: &Settings) -> Option<&'static str> {
+    (values.light_choice == Some(LightChoice::Learned)).then_some(WITHOUT_LEARNING)
+}
+
 /// The settings of an integrator, of which it is made: what each variant of [`IntegratorSettings`] does.
 pub trait Prepare: Copy {
     /// The integrator, ready to take samples of a picture of `size` pixels with these `layers`.
@@ -152,8 +162,13 @@ pub trait Prepare: Copy {
         false
     }
 
-    /// What it leaves out of a scene, a sentence each, beyond what follows from its [`Quantity`], and from
-    /// [`Prepare::follows_frames`].
+    /// Whether it can choose lights by what is learned of them before, [`LightChoice::Learned`].
+    fn learns_lights(&self, _scene: &Scene) -> bool {
+        false
+    }
+
+    /// What it leaves out of a scene, a sentence each, beyond what follows from its [`Quantity`], from
+    /// [`Prepare::follows_frames`] and [`Prepare::learns_lights`].
     ///
     /// * `size`: columns and rows of the picture
     fn left_out(&self, _scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {

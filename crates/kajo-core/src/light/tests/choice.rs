@@ -49,7 +49,8 @@ fn scenes() -> Vec<(Lights, LightSampler)> {
 fn a_light_takes_its_share_of_the_numbers_and_gives_them_back() {
     let n = 1 << 16;
     for (k, (_, sampler)) in scenes().into_iter().enumerate() {
-        for choice in [LightChoice::Tree, LightChoice::Uniform] {
+        let learned = every_third_arrives(&sampler);
+        for choice in [LightSelection::Tree, LightSelection::Uniform, LightSelection::Learned(&learned)] {
             let to = Receiver { p: Vec3::new(0.3, 0.1, 0.2), n: Vec3::new(0.0, 0.6, 0.8), time: 0.0 };
             let mut rests = vec![Vec::new(); sampler.list().len()];
             for i in 0..n {
@@ -72,6 +73,84 @@ fn a_light_takes_its_share_of_the_numbers_and_gives_them_back() {
             }
             assert!((sum - 1.0).abs() < 1e-4, "{k}: {sum}");
         }
+    }
+}
+
+/// A table of draws of which those of every third light arrive.
+fn every_third_arrives(sampler: &LightSampler) -> LightVisibility {
+    let s = Stream::new(72, [0, 0], 0);
+    let draw = |i: u32| {
+        let p = 4.0 * Vec3::new(s.uniform(4 * i), s.uniform(4 * i + 1), s.uniform(4 * i + 2)) - 2.0;
+        let light = LightIndex::new((s.uniform(4 * i + 3) * sampler.list().len() as f32) as usize).unwrap();
+        let to = Receiver { p, n: Vec3::ZERO, time: 0.0 };
+        // Each light is drawn as often as any other.
+        let weight = sampler.pmf(light, &to, LightSelection::Tree) * sampler.list().len() as f32;
+        LightDraw { p, light, weight, arrives: light.index().is_multiple_of(3) }
+    };
+    sampler.learn((0..5000).map(draw).collect())
+}
+
+/// No light is drawn less than a tenth as often as by the tree, whatever is learned.
+#[test]
+fn what_never_arrived_is_drawn_rarely_and_never_not_at_all() {
+    for (k, (_, sampler)) in scenes().into_iter().enumerate() {
+        let learned = every_third_arrives(&sampler);
+        for i in 0..20 {
+            let s = Stream::new(73, [i, 0], 0);
+            let p = 3.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)) - 1.5;
+            let to = Receiver { p, n: Vec3::ZERO, time: 0.0 };
+            for light in LightIndex::all(sampler.list().len()) {
+                let [tree, by_learned] = [LightSelection::Tree, LightSelection::Learned(&learned)]
+                    .map(|by| sampler.pmf(light, &to, by));
+                assert!(
+                    by_learned >= 0.0999 * tree && by_learned <= 1.0001,
+                    "{k} {light:?}: {tree} {by_learned}"
+                );
+            }
+        }
+    }
+    // Of three points alike the first is all that arrives; the tree draws it once in three times.
+    let (_, sampler) = lit(&[1.0; 3], SQUARE, &[], None);
+    let learned = every_third_arrives(&sampler);
+    let to = Receiver { p: Vec3::new(1.0, -1.0, 1.0), n: Vec3::ZERO, time: 0.0 };
+    let first = sampler.pmf(LightIndex::new(0).unwrap(), &to, LightSelection::Learned(&learned));
+    assert!(first > 0.9, "{first}");
+    // And of a sky, a sun and a point: the sky is the light of number 2, the point that of 0.
+    let (_, sampler) = lit(&[1e-2], SQUARE, &[30.0], Some(10.0));
+    let learned = every_third_arrives(&sampler);
+    let by = [LightSelection::Tree, LightSelection::Learned(&learned)];
+    let [tree, first] = by.map(|by| sampler.pmf(LightIndex::new(0).unwrap(), &to, by));
+    assert!(tree < 0.02 && first > 0.5, "{tree} {first}");
+}
+
+#[test]
+fn what_was_never_drawn_is_taken_for_visible() {
+    for (_, sampler) in scenes() {
+        let nothing = sampler.learn(Vec::new());
+        let to = Receiver { p: Vec3::new(0.3, 0.1, 0.2), n: Vec3::new(0.0, 0.6, 0.8), time: 0.0 };
+        for light in LightIndex::all(sampler.list().len()) {
+            let [tree, learned] = [LightSelection::Tree, LightSelection::Learned(&nothing)]
+                .map(|by| sampler.pmf(light, &to, by));
+            assert!((tree - learned).abs() < 1e-6, "{light:?}: {tree} {learned}");
+        }
+    }
+}
+
+/// A table is one of regions: what is hidden on one side of a wall may be seen on the other.
+#[test]
+fn regions_have_shares_of_their_own() {
+    let (_, sampler) = lit(&[1.0; 2], SQUARE, &[], None);
+    let s = Stream::new(74, [0, 0], 0);
+    let draws = (0..20_000).map(|i| {
+        let p = Vec3::new(8.0 * s.uniform(4 * i) - 4.0, s.uniform(4 * i + 1), s.uniform(4 * i + 2));
+        let light = LightIndex::new(usize::from(s.uniform(4 * i + 3) < 0.5)).unwrap();
+        LightDraw { p, light, weight: 1.0, arrives: (p.x < 0.0) == (light.index() == 0) }
+    });
+    let learned = sampler.learn(draws.collect());
+    for (x, seen) in [(-3.0, 0), (3.0, 1)] {
+        let to = Receiver { p: Vec3::new(x, 0.5, 0.5), n: Vec3::ZERO, time: 0.0 };
+        let pmf = sampler.pmf(LightIndex::new(seen).unwrap(), &to, LightSelection::Learned(&learned));
+        assert!(pmf > 0.85, "{x}: {pmf}");
     }
 }
 

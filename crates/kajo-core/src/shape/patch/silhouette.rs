@@ -10,9 +10,9 @@
 //! z = o_z + t (z_e - o_z)        t = d (1 + c) / (d (1 + c) - r_e),        t = d (1 - c) / (d (1 - c) + r_e)
 //! ```
 //!
-//! which are the ends of the trapezoid. Beyond the apex, where `c < -1`, all of it is seen through the disk in its wider rim. A place on these flat patches is drawn as on any, by solid angle where that is worth it, and the
+//! which are the ends of the trapezoid. Beyond the apex, where `c < -1`, all of it is seen through the disk in its wider rim. A position on these flat patches is drawn as on any, by solid angle where that is worth it, and the
 //! ray through it meets the surface once or twice; of two points the nearest one, which hides the other unless light passes there, is
-//! chosen with the probability 31/32. Per solid angle the density is that of the place times that of the choice.
+//! chosen with the probability 31/32. Per solid angle the density is that of the position times that of the choice.
 
 use kajo_math::solid_angle::basis64;
 use kajo_math::{DVec3, Vec2, Vec3};
@@ -23,7 +23,7 @@ use super::{Canonical, CurvedPatch, DiskPatch, ON_SPHERE, Patch, PatchSample, Pa
 /// Probability of the nearest of two points.
 const NEAREST: f32 = 31.0 / 32.0;
 
-/// How many times as far as the rim of a cone the place before it may be.
+/// How many times as far as the rim of a cone the position before it may be.
 const FARTHEST: f64 = 8.0;
 
 /// Flat patches in one plane through which a point sees all of a surface.
@@ -216,7 +216,7 @@ impl Silhouette {
         Silhouette { first, second: None, share: 1.0 }
     }
 
-    /// A place drawn for the receiver `from`.
+    /// A position drawn for the receiver `from`.
     fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
         let Some((second, _)) = &self.second else { return self.first.sample(from, u) };
         let (patch, x, share) = if u.x < self.share {
@@ -228,7 +228,7 @@ impl Silhouette {
         Some(PatchWay { at: PatchSample { pdf: share * way.at.pdf, ..way.at }, ..way })
     }
 
-    /// Density per solid angle at `from` with which [`Silhouette::sample`] draws a place in the direction `d` of any length.
+    /// Density per solid angle at `from` with which [`Silhouette::sample`] draws a position in the direction `d` of any length.
     fn pdf(&self, from: Vec3, d: DVec3) -> f32 {
         let o = from.as_dvec3();
         let (Some(n), Some(on)) = (self.first.normal(), self.first.point(0.5, 0.5)) else { return 0.0 };

@@ -160,7 +160,7 @@ class Settings(Block):
         directions: how directions are drawn (cosine, scattering or uniform). Default:
             scattering.
         technique: how light is found (combined, lights or scattering). Default: combined.
-        light_choice: how a light is drawn (tree or uniform). Default: tree.
+        light_choice: how a light is drawn (tree, uniform or learned). Default: tree.
         caustics: how light through smooth glass is found (manifold or scattering). Default:
             scattering.
         roulette: faint paths end by chance (on or off). Default: by the integrator.
@@ -214,7 +214,7 @@ class Settings(Block):
         branches: int | None = None,
         directions: Literal["cosine", "scattering", "uniform"] | None = None,
         technique: Literal["combined", "lights", "scattering"] | None = None,
-        light_choice: Literal["tree", "uniform"] | None = None,
+        light_choice: Literal["tree", "uniform", "learned"] | None = None,
         caustics: Literal["manifold", "scattering"] | None = None,
         roulette: bool | None = None,
         photons: int | None = None,

@@ -156,7 +156,7 @@ fn photons_are_thrown_by_a_luneburg_ball_as_paths_are() {
     let path = mean(&scene, settings(1), 1000, 0);
     let photons = PhotonSettings { photons: 300_000, bounces: 1, ..PhotonSettings::default() };
     let integrator = PhotonMapping::new(&scene, photons, [1, 1], LayerSet::of(&[]));
-    let setup = crate::Setup { seed: 5, threads: 1, memory: u64::MAX, progress: &crate::Silent };
+    let setup = Setup { seed: 5, threads: 1, memory: u64::MAX, progress: &crate::Silent };
     let state = integrator.with_state(0, &setup).expect("a map");
     let found = mean_of(&*state.integrator, 20, 0);
     assert!((found.mean / path.mean - 1.0).abs() < 0.15, "{found:?} {path:?}");

@@ -183,6 +183,11 @@ impl Prepare for PathSettings {
         true
     }
 
+    fn learns_lights(&self, scene: &Scene) -> bool {
+        // A light in a bulb is to be drawn all the same where its glass is followed.
+        scene.relativity.is_none() && !self.walks_in(scene)
+    }
+
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         let walks = self.caustics == Caustics::Manifold && lacks_segments(scene);
         let walks = walks.then_some(WITHOUT_WALKS).into_iter();

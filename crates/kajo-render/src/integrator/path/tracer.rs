@@ -10,7 +10,7 @@ use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::interaction::SurfacePoint;
-use kajo_core::light::{LightHit, LightPoint, MAX_LIGHT_GROUPS, Receiver};
+use kajo_core::light::{LightHit, LightPoint, LightSelection, MAX_LIGHT_GROUPS, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::{Directions, Technique};
 use kajo_math::{Ray, Vec3};
@@ -196,6 +196,8 @@ pub(in crate::integrator) struct Estimate {
 pub(in crate::integrator) struct PathTracer<'a, 's, O: PathObserver, C> {
     view: &'a CameraView<'a>,
     settings: &'a PathSettings,
+    /// How lights are chosen.
+    lights: LightSelection<'a>,
     observer: &'a mut O,
     estimate: Estimate,
     indirect: C,
@@ -218,8 +220,14 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let groups = view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]);
         let (light, sensed) = (Spectrum::BLACK, [0.0; 3]);
         let begins_in_medium = false;
+        let lights = settings.light_choice.into();
         let estimate = Estimate { light, sensed, groups, first: None, begins_in_medium, albedo: None };
-        PathTracer { view, settings, observer, estimate, indirect, beside: None, forks }
+        PathTracer { view, settings, lights, observer, estimate, indirect, beside: None, forks }
+    }
+
+    /// The same with another choice of lights than that of the settings.
+    pub fn choosing(self, lights: LightSelection<'a>) -> PathTracer<'a, 's, O, C> {
+        PathTracer { lights, ..self }
     }
 
     /// Follows a path and all that branches off it. Returns the light of it all as the sensor sees it, linear RGB, with
@@ -381,8 +389,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             Technique::Scattering => 1.0,
             Technique::Lights => 0.0,
             Technique::Combined => {
-                let choice = self.settings.light_choice;
-                let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, choice);
+                let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, self.lights);
                 if path.state.carries_media {
                     return self.mis_weight_through_media(path, hit, pdf_li);
                 }
@@ -400,8 +407,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let weight = power_heuristic(path.pdf, pdf_li * path.state.mean(path.state.lanes.r_l));
         match &path.collided {
             Some((along, t)) if path.receiver.n == Vec3::ZERO => {
-                let choice = self.settings.light_choice;
-                weight * along.weight_of_collision(self.scene(), hit.light, *t, choice)
+                weight * along.weight_of_collision(self.scene(), hit.light, *t, self.lights)
             }
             _ => weight,
         }
@@ -472,7 +478,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     ) {
         let (scene, settings) = (self.scene(), self.settings);
         let state = &mut path.state;
-        let drawn = sample_light(scene, state, &receiver(surface, local), settings.light_choice);
+        let receiver = receiver(surface, local);
+        let drawn = sample_light(scene, state, &receiver, self.lights);
         let Some(drawn) = drawn else { return };
         if C::WALKS {
             self.add_light_through_glass(path, surface, (bsdf, local), &drawn);
@@ -494,12 +501,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             return self.add_light_through_media(
                 path,
                 &DrawnLight { light, li, pdf },
-                Joined { segment, media, carried, pdf_by_scattering },
+                Joined { receiver, segment, media, carried, pdf_by_scattering },
             );
         }
         let carried = state.beta * scattered * media.transmittance(segment.length());
         let eta = media.eta_of_segment(scene);
         let visible = connect(scene, &segment, eta, &state.wavelengths, &mut state.draws, self.observer);
+        self.observer.light_drawn(&receiver, light, || !visible.is_black());
         let about = || About {
             eta: state.media.eta(),
             weight: sensor::to_rgb(carried, &state.wavelengths),
@@ -524,6 +532,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
 
 /// What joins a vertex and a point of a light.
 struct Joined {
+    /// The vertex.
+    receiver: Receiver,
     segment: Ray,
     /// Around the start of the segment.
     media: MediumStack,
@@ -588,20 +598,21 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         receiver: &Receiver,
     ) {
         let (scene, state) = (self.scene(), &mut path.state);
-        let drawn = sample_light(scene, state, receiver, self.settings.light_choice);
+        let drawn = sample_light(scene, state, receiver, self.lights);
         let Some(drawn) = drawn else { return };
         let scattered = at.phase.eval(at.wo, drawn.li.wi);
         let point = SurfacePoint { p: at.p, ..SurfacePoint::default() };
         let segment = point.ray_to(&drawn.li.at, drawn.li.wi, at.time);
         let joined = Joined {
+            receiver: *receiver,
             segment,
             media: state.media,
             carried: state.beta * scattered,
             pdf_by_scattering: scattered,
         };
-        let choice = self.settings.light_choice;
+        let lights = self.lights;
         let share =
-            path.along.map_or(1.0, |along| along.weight_of_collision(scene, drawn.light, at.length, choice));
+            path.along.map_or(1.0, |along| along.weight_of_collision(scene, drawn.light, at.length, lights));
         let joined = Joined { carried: joined.carried * share, ..joined };
         self.add_light_through_media(path, &drawn, joined);
     }
@@ -614,8 +625,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn add_light_through_media(&mut self, path: &mut CameraPath<'s>, drawn: &DrawnLight, joined: Joined) {
         let (scene, state) = (self.scene(), &mut path.state);
         let &DrawnLight { light, li, pdf } = drawn;
-        let Joined { segment, media, carried, pdf_by_scattering } = joined;
+        let Joined { receiver, segment, media, carried, pdf_by_scattering } = joined;
         let passage = connect_through_media(scene, &segment, media, Joining::from(state), self.observer);
+        self.observer.light_drawn(&receiver, light, || !passage.t.is_black());
         let about = || About {
             eta: state.media.eta(),
             weight: sensor::to_rgb(carried, &state.wavelengths),

@@ -2,7 +2,7 @@
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
-use kajo_core::light::{LightChoice, LightLiSample, Receiver, SampledLight};
+use kajo_core::light::{LightLiSample, LightSelection, Receiver, SampledLight};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::space::Space;
@@ -179,15 +179,15 @@ pub struct DrawnLight {
 ///
 /// Takes three numbers. The first one is left out; the other two are for the light and the position on it.
 #[inline]
-pub fn sample_light(
+pub fn sample_light<'a>(
     scene: &Scene,
     path: &mut PathState<'_>,
     receiver: &Receiver,
-    choice: LightChoice,
+    by: impl Into<LightSelection<'a>>,
 ) -> Option<DrawnLight> {
     path.draws.skip(1);
     let u = path.draws.next_2d();
-    let chosen = scene.lighting.sampler.sample(receiver, u.x, choice)?;
+    let chosen = scene.lighting.sampler.sample(receiver, u.x, by)?;
     let SampledLight { light, probability, .. } = chosen;
     let li = scene.sample_li(light, receiver, chosen.pair(u), &path.wavelengths)?;
     (!li.radiance.is_black()).then_some(DrawnLight { light, li, pdf: li.pdf * probability })

@@ -153,16 +153,16 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             return 1.0;
         }
         let Crossed { start, receiver, .. } = &crossed;
-        let (scene, settings) = (self.scene(), self.settings);
+        let scene = self.scene();
         let (end, pdf) = match at {
             LightPoint::Infinite { .. } => {
                 let at = LightPoint::Infinite { through: receiver.p };
-                let pdf = scene.pdf_li(hit.light, receiver, &at, d, settings.light_choice);
+                let pdf = scene.pdf_li(hit.light, receiver, &at, d, self.lights);
                 (End { at, wi: d }, pdf)
             }
             _ => {
                 let end = End { at: *at, wi: (at.p() - receiver.p).normalize_or_zero() };
-                let chosen = scene.lighting.sampler.pmf(hit.light, receiver, settings.light_choice);
+                let chosen = scene.lighting.sampler.pmf(hit.light, receiver, self.lights);
                 let light = AreaLight::find(&scene.lighting.lights, scene.lighting.sampler.id(hit.light));
                 let pdf = light.map_or(0.0, |light| light.pdf_area(at.p(), receiver.time));
                 (end, if is_small(receiver, at.p(), pdf) { chosen * pdf } else { 0.0 })

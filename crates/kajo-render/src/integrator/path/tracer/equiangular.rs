@@ -23,7 +23,7 @@
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
 use kajo_core::interaction::SurfacePoint;
-use kajo_core::light::{LightChoice, Receiver, SampledLight};
+use kajo_core::light::{LightSelection, Receiver, SampledLight};
 use kajo_core::medium::Phase;
 use kajo_core::scene::Scene;
 use kajo_core::settings::Technique;
@@ -90,20 +90,26 @@ impl Along {
     }
 
     /// Density of drawing a light for the ray and the distance `t` for the light, and that of a collision there and of drawing the light at it.
-    fn densities(&self, scene: &Scene, light: LightIndex, t: f32, choice: LightChoice) -> [f32; 2] {
+    fn densities(&self, scene: &Scene, light: LightIndex, t: f32, by: LightSelection<'_>) -> [f32; 2] {
         let sampler = &scene.lighting.sampler;
-        let drawn = sampler.pmf(light, &self.receiver, choice)
+        let drawn = sampler.pmf(light, &self.receiver, by)
             * self.towards(scene, light).map_or(0.0, |towards| towards.pdf(t));
         let there = Receiver { p: self.o + t * self.d, ..self.receiver };
         let collision = all_lanes(self.sigma_t * (self.sigma_t * -t).exp(), &self.wavelengths);
-        [drawn, collision * sampler.pmf(light, &there, choice)]
+        [drawn, collision * sampler.pmf(light, &there, by)]
     }
 
     /// The weight of light found at a collision.
     ///
     /// * `t`: distance of the collision
-    pub fn weight_of_collision(&self, scene: &Scene, light: LightIndex, t: f32, choice: LightChoice) -> f32 {
-        let [drawn, collided] = self.densities(scene, light, t, choice);
+    pub fn weight_of_collision(
+        &self,
+        scene: &Scene,
+        light: LightIndex,
+        t: f32,
+        by: LightSelection<'_>,
+    ) -> f32 {
+        let [drawn, collided] = self.densities(scene, light, t, by);
         if drawn > 0.0 { power_heuristic(collided, drawn) } else { 1.0 }
     }
 }
@@ -176,10 +182,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         along: &Along,
         (sigma_s, phase): (Spectrum, &Phase),
     ) {
-        let (scene, choice) = (self.scene(), self.settings.light_choice);
+        let (scene, by) = (self.scene(), self.lights);
         let draws = &mut path.state.draws;
         let (u, v) = (draws.next_2d(), draws.next_2d());
-        let Some(chosen) = scene.lighting.sampler.sample(&along.receiver, u.x, choice) else { return };
+        let Some(chosen) = scene.lighting.sampler.sample(&along.receiver, u.x, by) else { return };
         let SampledLight { light, .. } = chosen;
         let Some(towards) = along.towards(scene, light) else { return };
         let t = towards.sample(v.x);
@@ -189,7 +195,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let p = along.o + t * along.d;
         let receiver = Receiver { p, ..along.receiver };
         let Some(li) = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths) else { return };
-        let [drawn, collided] = along.densities(scene, light, t, choice);
+        let [drawn, collided] = along.densities(scene, light, t, by);
         let scattered = phase.eval(-along.d, li.wi);
         let absorbed = start.media.transmittance(t) * (along.sigma_t * -t).exp();
         let carried = start.beta * absorbed * sigma_s * scattered;
@@ -205,6 +211,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             draws: &mut path.state.draws,
         };
         let passage = connect_through_media(scene, &segment, start.media, with, self.observer);
+        self.observer.light_drawn(&along.receiver, light, || !passage.t.is_black());
         let by_light = start.mean(passage.r_l);
         let weight = power_heuristic(drawn, collided);
         let added = carried * li.radiance * passage.t * (weight / (drawn * li.pdf * by_light));

@@ -1,0 +1,44 @@
+//! The rules by which one of many lights is chosen.
+
+use super::LightVisibility;
+
+/// How a light is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightChoice {
+    /// By what it may contribute.
+    #[default]
+    Tree,
+    /// Each as often as any other.
+    Uniform,
+    /// By what it may contribute and how often that arrives, which is learned before.
+    Learned,
+}
+
+impl LightChoice {
+    /// Names on the command line and in `Settings`, with the rules.
+    pub const NAMES: [(&'static str, LightChoice); 3] =
+        [("tree", LightChoice::Tree), ("uniform", LightChoice::Uniform), ("learned", LightChoice::Learned)];
+}
+
+/// How lights are chosen, with what that takes.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum LightSelection<'a> {
+    /// By what they may contribute.
+    #[default]
+    Tree,
+    /// Each as often as any other.
+    Uniform,
+    /// By what they may contribute and how often it arrives.
+    Learned(&'a LightVisibility),
+}
+
+/// Without a table what is to be learned is taken for visible.
+impl From<LightChoice> for LightSelection<'_> {
+    #[inline]
+    fn from(choice: LightChoice) -> Self {
+        match choice {
+            LightChoice::Tree | LightChoice::Learned => LightSelection::Tree,
+            LightChoice::Uniform => LightSelection::Uniform,
+        }
+    }
+}
