@@ -20,6 +20,9 @@ use crate::shape::{Ray64, in_range};
 const FEWEST_CELLS: usize = 64;
 const CELLS_OF_A_BALL: usize = 8;
 
+/// Balls that the lists of all parts name, for each ball, beyond which nothing is halved: where all reach into all parts, lists get long.
+const MENTIONS_OF_A_BALL: usize = 512;
+
 /// Parts are halved at most this often: of a surface that is hardly there they do not become many.
 const MOST_HALVINGS: u32 = 27;
 
@@ -188,6 +191,9 @@ impl QuarticCells {
             for cell in &parts.cells {
                 let halves = cell.cell.joined_halves();
                 halves.iter().for_each(|half| search.keep(*half, parts.members(cell), &mut halved));
+            }
+            if halved.members.len() > MENTIONS_OF_A_BALL * balls.len() {
+                break;
             }
             parts = halved;
         }

@@ -105,26 +105,78 @@ fn a_slab_shifts_the_light_of_a_ball() {
     }
 }
 
+/// A floor beside a mirror in the plane x = 1, seen at the distance `x` from the origin.
+fn beside_mirror(x: f32, light: &str, emitter: &str) -> Scene {
+    scene(&format!(
+        "{} {light} Materials {{ Matte floor {{ color 0.5 0.5 0.5 }}  Metal mirror {{ color 1 1 1 }}
+                          Matte emitter {{ color 0 0 0  emission 3000 3000 3000  emits front }} }}
+         Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
+                  MaterialIndex mirror Quad {{ corner 1 0.01 -3 edge1 0 3 0 edge2 0 0 6 }}
+                  MaterialIndex emitter {emitter} }}",
+        camera([x, 0.4, 0.5], [x, 0.0, 0.0])
+    ))
+}
+
+/// The cosine on the floor over the squared distance of a light at height 1.5, so far away in x.
+fn share(x: f64) -> f64 {
+    1.5 / (x * x + 1.5 * 1.5 + 0.4 * 0.4).powf(1.5)
+}
+
 /// A mirror is a second light behind it: `E = F I cos / d^2` for both, the reflected one from farther away.
 #[test]
 fn a_plane_mirror_shows_a_second_light() {
-    let text = |light: &str| {
-        format!(
-            "{} {light} Materials {{ Matte floor {{ color 0.5 0.5 0.5 }}
-                              Metal mirror {{ color 1 1 1 }} }}
-             Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
-                      MaterialIndex mirror Quad {{ corner 1 0.01 -3 edge1 0 3 0 edge2 0 0 6 }} }}",
-            camera([0.0, 0.4, 0.5], [0.0, 0.0, 0.0])
-        )
-    };
     let light = "Lights { PointLight { position -1 1.5 0.4 color 3 3 3 attenuation 0 0 1 } }";
-    let found = mean(&scene(&text(light)), WALKS, 4000);
-    let plain = mean(&scene(&text(light)), PathSettings { caustics: Caustics::Scattering, ..WALKS }, 10);
+    let scene = beside_mirror(0.0, light, "");
+    let found = mean(&scene, WALKS, 4000);
+    let plain = mean(&scene, PathSettings { caustics: Caustics::Scattering, ..WALKS }, 10);
     // From x = -1, and from x = 3 behind the mirror.
-    let share = |x: f64| 1.5 / (x * x + 1.5 * 1.5 + 0.4 * 0.4).powf(1.5);
     let expected = plain.mean * (1.0 + share(3.0) / share(1.0));
     if let Err(complaint) = found.check(expected, 0.02) {
         panic!("{complaint}");
+    }
+}
+
+/// A spot that sends nothing straight to where the mirror sends its light.
+#[test]
+fn a_spot_is_seen_in_a_mirror_from_outside_of_its_cone() {
+    let of = |light: &str| beside_mirror(0.0, &format!("Lights {{ {light} }}"), "");
+    let point = of("PointLight { position -1 1.5 0.4 color 3 3 3 attenuation 0 0 1 }");
+    let straight = mean(&point, PathSettings { caustics: Caustics::Scattering, ..WALKS }, 10);
+    let spot = of("SpotLight { position -1 1.5 0.4 direction 2 -1 -0.267 color 3 3 3 attenuation 0 0 1
+                               angle 20 innerAngle 20 }");
+    let found = mean(&spot, WALKS, 4000);
+    assert_eq!(mean(&spot, PathSettings { caustics: Caustics::Scattering, ..WALKS }, 10).mean, 0.0);
+    if let Err(complaint) = found.check(straight.mean * share(3.0) / share(1.0), 0.02) {
+        panic!("{complaint}");
+    }
+}
+
+/// Points of the far side of a small ball are no points of its near side.
+#[test]
+fn a_ball_of_a_millimetre_is_as_bright_in_a_mirror_as_a_larger_one() {
+    let of = |radius: f64| {
+        let emitter = format!("Sphere {{ center -1 1.5 0.4 radius {radius} }}");
+        let found = mean(&beside_mirror(0.0, "", &emitter), WALKS, 8000);
+        let area = radius * radius;
+        (found.mean / area, found.standard_error / area)
+    };
+    let (small, large) = (of(0.0005), of(0.02));
+    assert!((small.0 - large.0).abs() < 4.0 * small.1.hypot(large.1) + 2e-3 * large.0, "{small:?} {large:?}");
+    assert!(small.1 < 0.02 * small.0, "{small:?}");
+}
+
+/// A panel that turns its back to where the mirror sends its light: `E = L A cos cos / d^2` of the one behind the mirror.
+#[test]
+fn a_panel_is_seen_in_a_mirror_from_behind() {
+    let panel = "Quad { corner -1 1.45 0.35 edge1 0 0.1 0 edge2 0 0 0.1 }";
+    let scene = beside_mirror(-1.5, "", panel);
+    let distance2: f64 = 4.5 * 4.5 + 1.5 * 1.5 + 0.4 * 0.4;
+    let expected = 0.5 / PI * 3000.0 * 0.01 * 1.5 * 4.5 / (distance2 * distance2);
+    for technique in [Technique::Combined, Technique::Lights] {
+        let found = mean(&scene, PathSettings { technique, ..WALKS }, 2000);
+        if let Err(complaint) = found.check(expected, 0.02) {
+            panic!("{technique:?}: {complaint}");
+        }
     }
 }
 

@@ -20,8 +20,8 @@ use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
     DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction,
-    advance, connect, connect_through_media, follow, follow_phase, leave, pass_straight, sample_light, shade,
-    survives, survives_in_medium,
+    advance, choose_light, connect, connect_through_media, follow, follow_phase, leave, light_of_choice,
+    pass_straight, sample_light, shade, survives, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
@@ -479,13 +479,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let (scene, settings) = (self.scene(), self.settings);
         let state = &mut path.state;
         let receiver = receiver(surface, local);
-        let drawn = sample_light(scene, state, &receiver, self.lights);
-        let Some(drawn) = drawn else { return };
+        let Some((chosen, u)) = choose_light(scene, state, &receiver, self.lights) else { return };
         if C::WALKS {
-            self.add_light_through_glass(path, surface, (bsdf, local), &drawn);
+            self.add_light_through_glass(path, surface, (bsdf, local), (&chosen, u));
         }
         let state = &mut path.state;
-        let DrawnLight { light, li, pdf } = drawn;
+        let drawn = light_of_choice(scene, state, &receiver, &chosen, u);
+        let Some(DrawnLight { light, li, pdf }) = drawn else { return };
         let Some(wi) = local.to_local(li.wi) else { return };
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
         if scattered.is_black() {

@@ -266,7 +266,8 @@ impl<'a, 's> ManifoldWalk<'a, 's> {
         let mut begun = seeds.map(|d| self.trace_any(d, caster, &goal));
         for walked in 0..MOST_WALKS {
             let turn = |begun: &Option<(Traced, Via)>| {
-                begun.as_ref().map_or(f32::INFINITY, |(at, _)| at.turn.length())
+                let length = begun.as_ref().map_or(f32::INFINITY, |(at, _)| at.turn.length());
+                if length.is_nan() { f32::INFINITY } else { length }
             };
             let nearest = begun.iter_mut().min_by(|a, b| turn(a).total_cmp(&turn(b)));
             let Some((traced, via)) = nearest.and_then(Option::take) else { break };

@@ -54,6 +54,6 @@ pub use media::{Joining, connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};
 pub use steps::{
-    DrawnLight, Event, advance, connect, follow, pass_straight, sample_light, shade, survives,
-    survives_in_medium,
+    DrawnLight, Event, advance, choose_light, connect, follow, light_of_choice, pass_straight, sample_light,
+    shade, survives, survives_in_medium,
 };

@@ -7,7 +7,7 @@ use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::space::Space;
 use kajo_core::{LightIndex, RayOffset};
-use kajo_math::{Ray, Vec3};
+use kajo_math::{Ray, Vec2, Vec3};
 
 use super::arrival::{TracedSegment, arrive};
 use super::curves::{self, Curve};
@@ -185,10 +185,35 @@ pub fn sample_light<'a>(
     receiver: &Receiver,
     by: impl Into<LightSelection<'a>>,
 ) -> Option<DrawnLight> {
+    let (chosen, u) = choose_light(scene, path, receiver, by)?;
+    light_of_choice(scene, path, receiver, &chosen, u)
+}
+
+/// The first half of [`sample_light`]: a light for a vertex, and the numbers that it was chosen by.
+#[inline]
+pub fn choose_light<'a>(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    receiver: &Receiver,
+    by: impl Into<LightSelection<'a>>,
+) -> Option<(SampledLight, Vec2)> {
     path.draws.skip(1);
     let u = path.draws.next_2d();
-    let chosen = scene.lighting.sampler.sample(receiver, u.x, by)?;
-    let SampledLight { light, probability, .. } = chosen;
+    Some((scene.lighting.sampler.sample(receiver, u.x, by)?, u))
+}
+
+/// The second half: what the light that was chosen sends.
+///
+/// * `u`: the numbers that it was chosen by
+#[inline]
+pub fn light_of_choice(
+    scene: &Scene,
+    path: &PathState<'_>,
+    receiver: &Receiver,
+    chosen: &SampledLight,
+    u: Vec2,
+) -> Option<DrawnLight> {
+    let &SampledLight { light, probability, .. } = chosen;
     let li = scene.sample_li(light, receiver, chosen.pair(u), &path.wavelengths)?;
     (!li.radiance.is_black()).then_some(DrawnLight { light, li, pdf: li.pdf * probability })
 }

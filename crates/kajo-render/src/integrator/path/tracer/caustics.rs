@@ -26,7 +26,7 @@
 
 use kajo_color::{Spectrum, sensor};
 use kajo_core::bsdf::{Bsdf, Transport};
-use kajo_core::light::{AreaLight, LightHit, LightLiSample, LightPoint, Receiver};
+use kajo_core::light::{AreaLight, LightHit, LightLiSample, LightPoint, Receiver, SampledLight};
 use kajo_core::scene::Interaction;
 use kajo_core::settings::Technique;
 use kajo_core::{ObjectId, Pooled};
@@ -69,6 +69,10 @@ impl IndirectLight for ThroughGlass<'_> {
 
 /// How near a ray to a point of a light has to come to it, in shares of its length.
 const REACH: f32 = 1e-3;
+
+/// How far before a point of a light, in shares of its distance, a ray that is aimed at it may end on it by rounding. The near side of a
+/// closed light is farther off than that.
+const ROUNDING: f32 = 2e-5;
 
 /// Lights that would fill more of what a receiver sees than this, in steradians, are met by chance often enough.
 const LARGEST_LIGHT: f32 = 0.02;
@@ -184,45 +188,64 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
     }
 
-    /// Adds light of a point that was drawn for a vertex, as it comes through glass or by way of mirrors.
+    /// Adds light of a light that was chosen for a vertex, as it comes through glass or by way of mirrors. On the straight line it may send nothing.
     ///
-    /// Takes a number for the choice of a caster.
+    /// Takes a number for the choice of a caster, and two for the point of a surface.
+    ///
+    /// * `u`: uniform in [0, 1)², what the light was chosen by
     #[inline(never)]
     pub(super) fn add_light_through_glass(
         &mut self,
         path: &mut CameraPath<'s>,
         surface: &SurfaceInteraction,
         (bsdf, local): (&Bsdf<'s>, &LocalFrame),
-        drawn: &DrawnLight,
+        (chosen, u): (&SampledLight, Vec2),
     ) {
         if path.bounces >= self.settings.bounces || self.settings.only_mirrors {
             return;
         }
-        let (scene, li, state) = (self.scene(), &drawn.li, &mut path.state);
-        let p = surface.at.point.p;
-        let u = state.draws.next_1d();
-        let (mut end, mut pdf) = (End { at: li.at, wi: li.wi }, drawn.pdf);
-        if let LightPoint::Surface { .. } = li.at {
-            let light = AreaLight::find(&scene.lighting.lights, scene.lighting.sampler.id(drawn.light));
-            let point = light.and_then(|light| light.sample_area(state.draws.next_2d(), surface.at.time));
-            let Some((at, pdf_area)) = point else { return };
-            let to = Receiver { p, n: Vec3::ZERO, time: surface.at.time };
-            if !is_small(&to, at.p(), pdf_area) {
-                return;
-            }
-            end = End { at, wi: (at.p() - p).normalize_or_zero() };
-            pdf = pdf_area * drawn.pdf / li.pdf;
-        }
+        let state = &mut path.state;
+        let to = Receiver { p: surface.at.point.p, n: Vec3::ZERO, time: surface.at.time };
+        let choice_of_caster = state.draws.next_1d();
+        let Some((li, pdf)) = self.end_of_chains(state, &to, chosen, u) else { return };
+        let end = End { at: li.at, wi: li.wi };
         let start = leaving(surface, state.media);
         let before = self.before(&start, &end);
-        let caster = self.indirect.casters().and_then(|casters| casters.choose(p, before, u));
+        let caster =
+            self.indirect.casters().and_then(|casters| casters.choose(to.p, before, choice_of_caster));
         let Some((caster, choice)) = caster else { return };
-        let drawn =
-            DrawnLight { light: drawn.light, li: LightLiSample { at: end.at, wi: end.wi, ..*li }, pdf };
+        let drawn = DrawnLight { light: chosen.light, li, pdf };
         let state = path.state;
         for found in self.chains_by_caster(&state, &start, &end, &caster).iter().flatten() {
             self.add_light_of_chain(path, surface, (bsdf, local), (&drawn, found, choice));
         }
+    }
+
+    /// The end of chains to a light: a point of its surface, a position, or a direction, which alone has its radiance; and the density with which it was drawn, the
+    /// choice of the light included.
+    fn end_of_chains(
+        &self,
+        state: &mut PathState<'s>,
+        to: &Receiver,
+        chosen: &SampledLight,
+        u: Vec2,
+    ) -> Option<(LightLiSample, f32)> {
+        let (scene, light) = (self.scene(), chosen.light);
+        let (lights, id) = (&scene.lighting.lights, scene.lighting.sampler.id(light));
+        let end = |at: LightPoint, is_delta: bool| {
+            let wi = (at.p() - to.p).normalize_or_zero();
+            LightLiSample { wi, radiance: Spectrum::BLACK, pdf: 1.0, is_delta, at }
+        };
+        if let Some(area) = AreaLight::find(lights, id) {
+            let (at, pdf_area) = area.sample_area(state.draws.next_2d(), to.time)?;
+            let is_drawn = is_small(to, at.p(), pdf_area);
+            return is_drawn.then(|| (end(at, false), chosen.probability * pdf_area));
+        }
+        if let Some(bounds) = lights.bounds(id) {
+            return Some((end(LightPoint::Position(bounds.bounds.center()), true), chosen.probability));
+        }
+        let li = scene.sample_li(light, to, chosen.pair(u), &state.wavelengths)?;
+        Some((li, chosen.probability * li.pdf))
     }
 
     /// Adds light that comes along a chain.
@@ -322,7 +345,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
                 self.observer.counters().shadow += 1;
                 let mut at = Interaction::default();
                 let hits = scene.trace_into(None, &ray, &mut at);
-                if !hits || at.hit.t < distance * (1.0 - REACH) {
+                if !hits || at.hit.t < distance * (1.0 - ROUNDING) {
                     return None;
                 }
                 found.density /= n.dot(chain.arrives).abs();
