@@ -17,7 +17,7 @@
 //! Of nodes that have counted children it is the mean of theirs, each weighted by its share of draws by importance: those that went by a table count by the ratio of
 //! the probabilities that the tree and the table give to the light.
 //!
-//! So it is 1 for what was never drawn, and never 0. A wall hides everything or it is not there: that nothing at all arrives is as likely
+//! So it is 1 for what was never drawn. A wall hides everything or it is not there: that nothing at all arrives is as likely
 //! beforehand as all shares above 0 together, and after `n` draws in vain the share that is to be expected falls by the square of `n`. In a region in shadow, where nothing
 //! arrives, the lights that arrive elsewhere are still the likely ones. The walk down the tree then goes by importance times `q`, after [Vévoda et al. 2018], who
 //! learn estimates of clusters of lights for regions while they render. What was counted may be wrong for a point: one draw in ten goes by
@@ -185,7 +185,7 @@ impl Count {
 }
 
 impl LightVisibility {
-    /// * `draws`: their order has no influence
+    /// * `draws`: their order decides no more than last bits
     pub(super) fn learn(
         mut draws: Vec<LightDraw>,
         part: impl Fn(LightIndex) -> LightPart,

@@ -257,20 +257,16 @@ impl TapeBuilder {
 
     /// Sines and cosines of the same become one operation.
     fn join_angles(&mut self) {
+        // Of equal operations there is one, so the second of an angle is the other function.
+        let mut firsts = HashMap::new();
         for i in 0..self.operations.len() {
             let Operation::Unary(function @ (Unary::Sin | Unary::Cos), a) = self.operations[i] else {
                 continue;
             };
-            let other = if function == Unary::Sin { Unary::Cos } else { Unary::Sin };
-            // Of equal operations there is one.
-            let later = self.operations[i..].iter().position(|later| *later == Operation::Unary(other, a));
-            let Some(later) = later else { continue };
-            let mut both = [i as u32, (i + later) as u32];
-            if function == Unary::Cos {
-                both.reverse();
-            }
-            self.operations[i] = Operation::SinCos(a, both);
-            self.operations[i + later] = Operation::Done;
+            let Some(first) = firsts.insert(a, i) else { continue };
+            let [sine, cosine] = if function == Unary::Cos { [first, i] } else { [i, first] };
+            self.operations[first] = Operation::SinCos(a, [sine as u32, cosine as u32]);
+            self.operations[i] = Operation::Done;
         }
     }
 

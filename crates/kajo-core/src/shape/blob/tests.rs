@@ -374,3 +374,18 @@ fn surfaces_that_are_hardly_there_have_few_cells() {
         assert!(found.is_empty() || found.len() == 2, "{found:?}");
     }
 }
+
+/// Where every ball reaches everywhere all cells have all of them, and there are few cells.
+#[test]
+fn balls_in_one_heap_take_little_memory() {
+    let s = Stream::new(91, [0, 0], 0);
+    let at = |i: u32| 0.01 * DVec3::new(s.uniform(3 * i).into(), s.uniform(3 * i + 1).into(), 0.5);
+    let ball = |i| BlobComponent { core: BlobCore::Ball(at(i)), radius: 1.0, strength: 1.0, material: 0 };
+    let balls: Vec<_> = (0..600).map(ball).collect();
+    let blob = Blob::new(BlobKernel::Povray, 150.0, &balls).unwrap();
+    let bytes = blob.0.quartic.as_ref().unwrap().heap_bytes();
+    assert!(bytes < 600 * 4 * 1024, "{bytes}");
+    // Nearly one ball of strength 600: (1 - r^2)^2 = 1/4.
+    let found = along_x(&blob, 0.005);
+    assert!(found.len() == 2 && (found[1] - 0.5f64.sqrt()).abs() < 0.01, "{found:?}");
+}

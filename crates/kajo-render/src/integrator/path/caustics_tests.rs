@@ -2,25 +2,14 @@
 
 use std::f64::consts::PI;
 
-use kajo_core::light::LightChoice;
 use kajo_core::settings::{Caustics, Technique};
 use kajo_testkit::Estimate;
 
 use super::tests::{camera, mean_of, scene};
 use super::*;
 
-const WALKS: PathSettings = PathSettings {
-    caustics: Caustics::Manifold,
-    bounces: 2,
-    free_mirrors: 0,
-    only_mirrors: false,
-    technique: Technique::Combined,
-    light_choice: LightChoice::Tree,
-    directions: Directions::Scattering,
-    branches: 1,
-    roulette: true,
-    spectral: false,
-};
+const WALKS: PathSettings =
+    PathSettings { caustics: Caustics::Manifold, bounces: 2, ..PathSettings::DEFAULT };
 
 /// The mean of a single pixel.
 fn mean(scene: &Scene, settings: PathSettings, paths: u32) -> Estimate {

@@ -143,10 +143,9 @@ impl PathObserver for Recorder {
 #[cfg(test)]
 mod tests {
     use kajo_core::light::LightChoice;
-
-    use super::super::PathSettings;
     use kajo_core::scene::Scene;
 
+    use super::super::PathSettings;
     use super::super::tests::{camera, mean_of, scene};
     use super::*;
     use crate::{LayerSet, PixelIntegrator, Silent};
@@ -185,9 +184,7 @@ mod tests {
         let tree = mean_of(&Path::new(&scene, tree, [1, 1], LayerSet::of(&[])), 4000, 0);
         let state = PixelIntegrator::with_state(&learned, 0, &setup(1)).unwrap();
         let learned = mean_of(&*state.integrator, 4000, 0);
-        let sigma = (tree.standard_error * tree.standard_error
-            + learned.standard_error * learned.standard_error)
-            .sqrt();
+        let sigma = tree.standard_error.hypot(learned.standard_error);
         assert!((tree.mean - learned.mean).abs() < 4.0 * sigma, "{tree:?} {learned:?}");
         assert!(learned.standard_error < 0.25 * tree.standard_error, "{tree:?} {learned:?}");
         assert!(state.rays.total() > 0);

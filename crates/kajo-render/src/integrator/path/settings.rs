@@ -37,20 +37,25 @@ pub struct PathSettings {
     pub caustics: Caustics,
 }
 
+impl PathSettings {
+    /// What holds where nothing is said.
+    pub const DEFAULT: PathSettings = PathSettings {
+        bounces: 16,
+        free_mirrors: 0,
+        only_mirrors: false,
+        technique: Technique::Combined,
+        light_choice: LightChoice::Tree,
+        directions: Directions::Scattering,
+        branches: 1,
+        roulette: true,
+        spectral: false,
+        caustics: Caustics::Scattering,
+    };
+}
+
 impl Default for PathSettings {
     fn default() -> PathSettings {
-        PathSettings {
-            bounces: 16,
-            free_mirrors: 0,
-            only_mirrors: false,
-            technique: Technique::Combined,
-            light_choice: LightChoice::Tree,
-            directions: Directions::Scattering,
-            branches: 1,
-            roulette: true,
-            spectral: false,
-            caustics: Caustics::Scattering,
-        }
+        PathSettings::DEFAULT
     }
 }
 

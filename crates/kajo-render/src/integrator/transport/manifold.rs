@@ -65,8 +65,9 @@ const LAST_TURN: f32 = 5e-4;
 /// Where rounding lets the walk come no nearer, this is near enough.
 const NEAR_ENOUGH: f32 = 2e-4;
 
-/// Directions of two chains that differ by less are those of one.
+/// Directions of two chains that differ by less are those of one, radians; and where the caster is small by less than this share of it.
 const SAME: f32 = 1e-3;
+const SAME_OF_CASTER: f32 = 0.02;
 
 /// Radians for which differentials are carried: small beside what bends surfaces.
 const STEP: f32 = 1e-4;
@@ -192,12 +193,14 @@ pub struct SpecularChain {
     pub last: Ray,
     /// Around the last segment.
     pub media: MediumStack,
+    /// Directions that differ by less are those of one chain, radians.
+    pub tolerance: f32,
 }
 
 impl SpecularChain {
     /// Whether a path that left the receiver along the unit vector `d` and came through this has gone along this chain.
     pub fn is_along(&self, d: Vec3, via: Via) -> bool {
-        self.via == via && (self.d - d).length_squared() < SAME * SAME
+        self.via == via && (self.d - d).length_squared() < self.tolerance * self.tolerance
     }
 }
 
@@ -284,6 +287,7 @@ impl<'a, 's> ManifoldWalk<'a, 's> {
             }
             let chain = self.newton(traced, via, &goal).filter(|chain| chain.first == caster.object);
             let Some(chain) = chain else { continue };
+            let chain = SpecularChain { tolerance: SAME.min(SAME_OF_CASTER * reach), ..chain };
             let is_new =
                 |slot: &Option<SpecularChain>| slot.is_none_or(|known| !known.is_along(chain.d, chain.via));
             if found.iter().all(is_new)
@@ -462,6 +466,7 @@ impl Tracing<'_> {
             is_dispersive,
             last: path.ray,
             media: path.media,
+            tolerance: SAME,
         };
         missing(chain, frame, path.differential.as_ref()?, goal)
     }
@@ -585,4 +590,45 @@ fn missing(
     // Cramer's rule for by_s x + by_t y = -e.
     let turn = Vec2::new(by_t.perp_dot(e), -by_s.perp_dot(e)) / determinant;
     Some(Traced { chain, frame, miss: miss.length() / scale, along, turn })
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_core::compile::{CompileOptions, compile};
+    use kajo_core::sampler::{Sampler, SamplerKind};
+    use kajo_scene::{MemoryAssets, SceneDesc};
+
+    use super::*;
+
+    /// All chains by way of a small caster leave a receiver in nearly the same direction: they are told apart by what the caster fills.
+    #[test]
+    fn chains_by_way_of_a_bead_are_told_apart() {
+        for radius in [0.7, 0.0007f32] {
+            let text = format!(
+                "PerspectiveCamera {{ center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40 }}
+                 Materials {{ Glass glass {{ indexOfRefraction 1.5 }} }}
+                 Group {{ MaterialIndex glass Sphere {{ center 0 2 0 radius {radius} }} }}"
+            );
+            let mut parsed = SceneDesc::parse_str(&text);
+            let assets = MemoryAssets::new();
+            let scene =
+                compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut parsed.diagnostics);
+            let scene = scene.unwrap_or_else(|| panic!("{:?}", parsed.diagnostics));
+            let point = SurfacePoint { n: Vec3::Y, ng: Vec3::Y, ..SurfacePoint::default() };
+            let start = ChainStart { point, time: 0.0, side: 1.0, media: MediumStack::default() };
+            let object = ObjectId::from_index(0);
+            let (center, half) = (2.0 * Vec3::Y, Vec3::splat(radius));
+            let caster = Caster { object, link: Link::Boundary, center, half };
+            let sampler = Sampler::new(SamplerKind::Uniform, 1);
+            let draws = SampleStream::new(&sampler, 0, [0, 0], 0);
+            let mut walk = ManifoldWalk::new(&scene, &start, &Wavelengths::RGB, draws);
+            let found = walk.by_caster(&LightPoint::Position(4.0 * Vec3::Y), Vec3::Y, &caster);
+            let chain = found.iter().flatten().next().expect("the chain through the middle");
+            assert!(chain.d.abs_diff_eq(Vec3::Y, 1e-4 * radius), "{radius}: {}", chain.d);
+            // An edge of the ball is `radius / 2` away.
+            let beside = |turn: f32| (Vec3::Y + turn * Vec3::X).normalize();
+            assert!(!chain.is_along(beside(0.4 * radius), chain.via), "{radius}");
+            assert!(chain.is_along(beside(1e-3 * radius), chain.via), "{radius}");
+        }
+    }
 }

@@ -44,7 +44,7 @@ impl Casters {
         self.0.is_empty()
     }
 
-    /// A caster for a receiver, and the probability of that choice; none more often, the farther away all are.
+    /// A caster for a receiver, and the probability of that choice; the farther away all are, the more often none is chosen.
     ///
     /// * `before`: the object that the straight line to the light meets first
     /// * `u`: uniform in [0, 1)
