@@ -13,7 +13,6 @@ use crate::light::{
     LightLeSample, LightLiSample, LightPoint, LightSelection, PowerLightSampler, Receiver,
 };
 use crate::material::{Interior, ShadingPoint};
-use crate::sampler::SampleStream;
 use crate::scene::{Interaction, Scene, rarely};
 
 impl Scene {
@@ -36,18 +35,12 @@ impl Scene {
     /// The share of light that comes straight along a segment between two points in one medium: less than 1 through
     /// holes and panes, and 0 behind anything else. What the medium itself absorbs is left out.
     ///
-    /// An estimate that may be random: what can only be known by chance takes numbers from `_draws`. Holes and panes are
-    /// known.
+    /// No estimate: the product over the surfaces crossed of what goes straight on through them, the opacity of holes and the Fresnel
+    /// transmittance of panes.
     ///
     /// * `eta`: index of refraction of the medium
     #[inline]
-    pub fn transmittance(
-        &self,
-        segment: &Ray,
-        eta: f32,
-        wavelengths: &Wavelengths,
-        _draws: &mut SampleStream<'_>,
-    ) -> Spectrum {
+    pub fn transmittance(&self, segment: &Ray, eta: f32, wavelengths: &Wavelengths) -> Spectrum {
         if !self.appearance.has_passages {
             return if self.occluded(segment) { Spectrum::BLACK } else { Spectrum::WHITE };
         }
@@ -287,8 +280,6 @@ impl SurfacePoint {
 impl Scene {
     /// [`Scene::transmittance`] in air, in red, green and blue.
     pub(crate) fn transmittance_in_air(&self, segment: &Ray) -> Spectrum {
-        use crate::sampler::{Sampler, SamplerKind};
-        let sampler = Sampler::new(SamplerKind::Uniform, 1);
-        self.transmittance(segment, 1.0, &Wavelengths::RGB, &mut SampleStream::new(&sampler, 0, [0, 0], 0))
+        self.transmittance(segment, 1.0, &Wavelengths::RGB)
     }
 }

@@ -262,12 +262,6 @@ impl<const N: usize> Solver<N> {
         &self.slope
     }
 
-    /// The longest that the next step may be, positive; a step may be shorter.
-    #[inline]
-    pub fn step_length(&self) -> f64 {
-        self.h
-    }
-
     /// Makes the next step no longer than `h`, which is positive.
     #[inline]
     pub fn limit_step(&mut self, h: f64) {

@@ -12,7 +12,9 @@ use crate::family::Pooled;
 use crate::light::tests::densities::KnownSurface;
 use crate::light::tests::emission::{KnownLight, WORLD, every_light};
 use crate::light::tests::{AFTERNOON, MeanEmission};
-use crate::light::{LeNumbers, LightId, LightLeSample, LightPoint, Lights, Receiver, SkyLight};
+use crate::light::{
+    LeNumbers, LightId, LightLeSample, LightLiSample, LightPoint, Lights, Receiver, SkyLight,
+};
 
 /// How far off the power is that lights are chosen by, of those in the list.
 const TOLERANCE: f64 = 3e-3;
@@ -151,6 +153,7 @@ fn densities_for_a_receiver_are_zero_where_no_light_comes_from() {
             (false, None) => LightPoint::Surface { p: Vec3::X, p_error: Vec3::ZERO, n: Vec3::X },
         };
         assert_eq!(lights.pdf_li(id, &to, &strange, Vec3::Y), 0.0, "light {i}");
+        check_elsewhere(&lights, id);
         let mut dark = 0;
         for k in 0..300 {
             let s = Stream::new(62, [k, i as u32], 0);
@@ -172,4 +175,25 @@ fn densities_for_a_receiver_are_zero_where_no_light_comes_from() {
         }
         assert!(dark > 0 || Lights::kind(id) != "spots", "receivers outside the cone");
     }
+}
+
+/// A light that is one point or one direction has no density at another one, for a receiver or for light that leaves.
+fn check_elsewhere(lights: &Lights, id: LightId) {
+    let to = Receiver { p: Vec3::new(0.3, -1.4, 0.2), ..Receiver::default() };
+    let Some(sample) = lights.sample_li(id, &to, Vec2::splat(0.5), &Wavelengths::RGB, &MeanEmission) else {
+        return;
+    };
+    if !sample.is_delta {
+        return;
+    }
+    let pdf_le = |at, d| lights.pdf_le(id, 0.0, &at, d, &WORLD).direction;
+    let LightLiSample { at, wi, .. } = sample;
+    assert!(lights.pdf_li(id, &to, &at, wi) == 1.0 && pdf_le(at, -wi) > 0.0);
+    let (other_at, other_wi) = match at {
+        LightPoint::Position(p) => (LightPoint::Position(p + 0.25 * wi), wi),
+        LightPoint::Infinite { .. } => (at, (wi + 0.01 * wi.any_orthonormal_vector()).normalize()),
+        LightPoint::Surface { .. } => panic!("a surface has an extent"),
+    };
+    assert_eq!(lights.pdf_li(id, &to, &other_at, other_wi), 0.0);
+    assert_eq!(pdf_le(other_at, -other_wi), 0.0);
 }

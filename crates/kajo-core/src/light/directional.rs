@@ -89,7 +89,11 @@ impl Emitter for DirectionalLight {
     }
 
     fn pdf_li(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
-        if at.is_infinite() { self.disc().map_or(1.0, |disc| disc.pdf(wi)) } else { 0.0 }
+        match self.disc() {
+            _ if !at.is_infinite() => 0.0,
+            Some(disc) => disc.pdf(wi),
+            None => f32::from(u8::from(wi == self.to_light)),
+        }
     }
 
     fn bounds(&self) -> Option<LightBounds> {

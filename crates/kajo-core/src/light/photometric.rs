@@ -193,6 +193,11 @@ impl PhotometricLight {
         (wi, d, self.photometry.towards(self.frame.to_local(-wi)) / (d * d))
     }
 
+    /// Whether a point that light comes from is the light's.
+    fn is_at(&self, at: &LightPoint) -> bool {
+        matches!(at, LightPoint::Position(p) if *p == self.position)
+    }
+
     /// Whether any light leaves into the unit direction `d`.
     fn shines_into(&self, d: Vec3) -> bool {
         self.photometry.towards(self.frame.to_local(d)) > 0.0
@@ -227,7 +232,7 @@ impl Emitter for PhotometricLight {
     }
 
     fn pdf_li(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
-        if matches!(at, LightPoint::Position(_)) && self.shines_into(-wi) { 1.0 } else { 0.0 }
+        f32::from(u8::from(self.is_at(at) && self.shines_into(-wi)))
     }
 
     fn bounds(&self) -> Option<LightBounds> {
@@ -271,8 +276,9 @@ impl Emitter for PhotometricLight {
         })
     }
 
-    fn pdf_le(&self, _time: f32, _at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
-        EmissionPdf { position: 1.0, direction: if self.shines_into(d) { (0.25 / PI) as f32 } else { 0.0 } }
+    fn pdf_le(&self, _time: f32, at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
+        let direction = if self.shines_into(d) { (0.25 / PI) as f32 } else { 0.0 };
+        EmissionPdf::at_point(self.is_at(at), direction)
     }
 
     fn power(&self, _world: &BoundingSphere) -> f32 {

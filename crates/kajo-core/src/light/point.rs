@@ -49,6 +49,11 @@ impl PointLight {
         (to_light / d, d, 1.0 / (c0 + d * (c1 + d * c2)))
     }
 
+    /// Whether a point that light comes from is the light's.
+    pub(super) fn is_at(&self, at: &LightPoint) -> bool {
+        matches!(at, LightPoint::Position(p) if *p == self.position)
+    }
+
     /// Light that leaves into a direction, drawn with this density per solid angle.
     pub(super) fn leaving(&self, d: Vec3, pdf: f32, wavelengths: &Wavelengths) -> LightLeSample {
         LightLeSample {
@@ -103,7 +108,7 @@ impl Emitter for PointLight {
     }
 
     fn pdf_li(&self, _to: &Receiver, at: &LightPoint, _wi: Vec3) -> f32 {
-        if matches!(at, LightPoint::Position(_)) { 1.0 } else { 0.0 }
+        f32::from(u8::from(self.is_at(at)))
     }
 
     /// Falloffs other than the inverse square are weighed as if they were that.
@@ -126,8 +131,8 @@ impl Emitter for PointLight {
         Some(self.leaving(warp::uniform_sphere(u.direction), 0.25 * FRAC_1_PI, wavelengths))
     }
 
-    fn pdf_le(&self, _time: f32, _at: &LightPoint, _d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
-        EmissionPdf { position: 1.0, direction: 0.25 * FRAC_1_PI }
+    fn pdf_le(&self, _time: f32, at: &LightPoint, _d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
+        EmissionPdf::at_point(self.is_at(at), 0.25 * FRAC_1_PI)
     }
 
     fn power(&self, _world: &BoundingSphere) -> f32 {

@@ -86,7 +86,8 @@ impl LightPoint {
         matches!(self, LightPoint::Infinite { .. })
     }
 
-    /// Cosine between its surface and a direction; 1 where there is no surface.
+    /// Absolute cosine between its surface and a unit direction; 1 where there is no surface, since power of a point or of parallel light is
+    /// counted without one.
     #[inline]
     pub fn cosine(&self, w: Vec3) -> f32 {
         match self {
@@ -95,11 +96,14 @@ impl LightPoint {
         }
     }
 
-    /// Solid angle per area of its surface as seen along the unit vector `w`; 1 where there is no surface.
+    /// What a density per solid angle of a viewer is multiplied by to be in the measure in which the light's end of a path is counted: per area
+    /// on a surface, `|cos| / distance^2`. The end infinitely far away is a direction, and stays per solid angle; a position is
+    /// one point, whose probability stays what it is.
     ///
+    /// * `w`: unit direction of sight
     /// * `distance2`: squared distance of the viewer
     #[inline]
-    pub fn solid_angle_per_area(&self, w: Vec3, distance2: f32) -> f32 {
+    pub fn jacobian_to_end_measure(&self, w: Vec3, distance2: f32) -> f32 {
         match self {
             LightPoint::Surface { n, .. } => n.dot(w).abs() / distance2,
             LightPoint::Position(_) | LightPoint::Infinite { .. } => 1.0,
@@ -116,7 +120,7 @@ pub struct LightLiSample {
     pub radiance: Spectrum,
     /// Density of the direction per solid angle; the probability 1 for the single direction of a delta light.
     pub pdf: f32,
-    /// Whether the light has no extent, so that no ray finds it by chance.
+    /// Whether the light is a single point or direction (a delta distribution), which no ray finds.
     pub is_delta: bool,
     /// Where the light comes from, which is how far the way must be clear.
     pub at: LightPoint,
@@ -144,7 +148,7 @@ pub struct LightLeSample {
     pub attenuation: [f32; 3],
     /// Densities of position and direction.
     pub pdf: EmissionPdf,
-    /// Whether no ray finds the light by chance.
+    /// Whether the light is a single point or direction, which no ray finds.
     pub is_delta: bool,
 }
 
@@ -155,6 +159,16 @@ pub struct EmissionPdf {
     pub position: f32,
     /// Of the direction, per solid angle; 1 for a delta light infinitely far away.
     pub direction: f32,
+}
+
+impl EmissionPdf {
+    /// Of a light that is a point.
+    ///
+    /// * `is_at`: whether the point that light leaves is the light's; else there is none
+    /// * `direction`: density per solid angle
+    pub(super) fn at_point(is_at: bool, direction: f32) -> EmissionPdf {
+        if is_at { EmissionPdf { position: 1.0, direction } } else { EmissionPdf::default() }
+    }
 }
 
 /// The falloff of radiant power that spreads in space.

@@ -127,9 +127,9 @@ impl Emitter for SpotLight {
         Some(LightLeSample { radiance: leaving.radiance * self.profile(d), ..leaving })
     }
 
-    fn pdf_le(&self, _time: f32, _at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
+    fn pdf_le(&self, _time: f32, at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
         let direction = if self.profile(d) > 0.0 { self.pdf_leaving() } else { 0.0 };
-        EmissionPdf { position: 1.0, direction }
+        EmissionPdf::at_point(self.point.is_at(at), direction)
     }
 
     fn power(&self, _world: &BoundingSphere) -> f32 {

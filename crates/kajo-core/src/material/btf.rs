@@ -52,11 +52,6 @@ impl BtfMaterial {
         BtfMaterial { btf, settings, constant }
     }
 
-    /// Bytes of memory of what it points to.
-    pub fn table_bytes(&self) -> usize {
-        self.btf.bytes()
-    }
-
     /// The texel that is shown at a point by the number `at.u`.
     fn texel(&self, at: &ShadingPoint<'_>) -> Texel {
         let BtfSettings { repeat, offset, is_filtered, .. } = self.settings;

@@ -143,11 +143,6 @@ impl Relativity {
         self.objects.get(&object.index()).copied().unwrap_or_default()
     }
 
-    /// Whether anything moves, beside the observer.
-    pub fn has_frames(&self) -> bool {
-        self.frames.len() > 1
-    }
-
     /// What takes the coordinates of an object's frame to the world's at its moment 0, where what moves is contracted; `None` for what
     /// rests in the world.
     pub fn snapshot(&self, object: ObjectId) -> Option<DAffine3> {

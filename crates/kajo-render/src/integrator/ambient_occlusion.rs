@@ -122,7 +122,7 @@ impl Integrator for AmbientOcclusion<'_> {
             observer.counters().shadow += 1;
             0.0
         } else {
-            connect(scene, &segment, Some(1.0), &Wavelengths::RGB, &mut draws, observer).luminance()
+            connect(scene, &segment, Some(1.0), &Wavelengths::RGB, observer).luminance()
         };
         observer.joined(RayKind::Shadow, scene, &segment, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];

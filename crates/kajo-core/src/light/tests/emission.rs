@@ -204,7 +204,10 @@ fn light_leaves_only_where_there_is_some() {
     assert!(pdf(0, n, n).direction > 0.0 && pdf(0, n, -n).direction == 0.0);
     assert!(pdf(1, n, n).direction == pdf(1, n, -n).direction);
     let axis = Vec3::new(0.6, -0.8, 0.0);
-    assert!(pdf(6, n, axis).direction > 0.0 && pdf(6, n, -axis).direction == 0.0);
+    let spot = LightPoint::Position(lights.bounds(list[6].id).expect("a position").bounds.min);
+    let from_spot = |d: Vec3| lights.pdf_le(list[6].id, 0.0, &spot, d, &WORLD).direction;
+    assert!(from_spot(axis) > 0.0 && from_spot(-axis) == 0.0);
+    assert_eq!(pdf(6, n, axis), EmissionPdf::default(), "no light leaves from elsewhere");
     let d = Vec3::new(0.0, -0.6, -0.8);
     let from_far =
         |through: Vec3| lights.pdf_le(list[7].id, 0.0, &LightPoint::Infinite { through }, d, &WORLD).position;

@@ -193,11 +193,6 @@ impl Csg {
         leaves.map(move |leaf| (leaf.source, solid.tessellated(leaf, around)))
     }
 
-    /// How many solids it is made of.
-    pub fn leaf_count(&self) -> usize {
-        self.0.leaves.len()
-    }
-
     /// The leaf that a part is of, and the number of the part there.
     fn leaf_of(&self, part: u32) -> (u32, &Leaf, u32) {
         let leaves = &self.0.leaves;

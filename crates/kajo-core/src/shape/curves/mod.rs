@@ -195,6 +195,7 @@ impl Curves {
     }
 
     /// How many segments and corners there are, cut into spans that turn little.
+    #[cfg(test)]
     pub fn span_count(&self) -> usize {
         self.0.leaves.len()
     }

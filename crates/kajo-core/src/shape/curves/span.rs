@@ -51,12 +51,14 @@ pub(super) struct CurveSpan {
     r: [f64; 4],
 }
 
-/// A place of a ray: its parameter, where along the span the disk is that it lies in, the square of its distance from the curve
-/// less that of the radius, and how this changes along the ray.
+/// A sample along a ray, in the disk of the tube that it lies in.
 #[derive(Clone, Copy)]
 struct Sample {
+    /// Ray parameter.
     t: f64,
+    /// Squared distance from the curve less the squared radius: negative inside of the tube.
     g: f64,
+    /// `dg/dt`.
     slope: f64,
 }
 

@@ -83,11 +83,6 @@ impl Polygons {
             positions: data.positions,
         }
     }
-
-    /// Whether all faces are triangles.
-    pub fn is_of_triangles(&self) -> bool {
-        self.sizes.iter().all(|&n| n == 3)
-    }
 }
 
 /// Finds the border of a few triangles.
@@ -182,6 +177,6 @@ mod tests {
         assert_eq!(polygons.uvs.unwrap().corners, [0, 1, 2, 3, 6, 7, ABSENT]);
         assert_eq!(polygons.materials.unwrap(), [7, 8]);
         let triangles = Polygons::of_mesh(with(&positions, uvs_again), &[[0, 2]], Scheme::Loop);
-        assert!(triangles.is_of_triangles() && triangles.sizes.len() == 3);
+        assert_eq!(triangles.sizes, [3, 3, 3]);
     }
 }

@@ -153,7 +153,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         };
         let LightEndPdf { end, onward } = self.pdf_le(light, time, &at, -wi);
         let thinning = if is_infinite { 1.0 } else { 1.0 / (distance * distance) };
-        let pdf_li = pdf * at.solid_angle_per_area(wi, distance * distance);
+        let pdf_li = pdf * at.jacobian_to_end_measure(wi, distance * distance);
         // [Georgiev 2012, eq. 44 and 45]
         let by_camera = V::scaled(z.pdf(z.wo, wi), || share.reach);
         let w_light = if is_delta { 0.0 } else { square(by_camera / pdf) };
@@ -307,7 +307,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             true => self.through_media(&segment, &media, with, observer)?,
             false => {
                 let eta = media.eta_of_segment(scene);
-                let visible = connect(scene, &segment, eta, wavelengths, with.draws, observer);
+                let visible = connect(scene, &segment, eta, wavelengths, observer);
                 if visible.is_black() {
                     return None;
                 }
@@ -353,7 +353,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     ///
     /// * `wi`, `distance`: the direction from the vertex and how far its other end is
     ///
-    /// May take random numbers.
+    /// Takes random numbers in scenes with participating media.
     #[inline]
     fn along(
         &self,
@@ -367,7 +367,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         if let Some(volume) = z.volume.filled() {
             return self.through_media(segment, &volume.media[z.side(wi)], with, observer);
         }
-        let visible = connect(self.scene(), segment, z.eta(wi), with.wavelengths, with.draws, observer);
+        let visible = connect(self.scene(), segment, z.eta(wi), with.wavelengths, observer);
         let share = || SegmentShare { within: z.transmittance(wi, distance), visible, reach: 1.0 };
         (!visible.is_black()).then(share)
     }

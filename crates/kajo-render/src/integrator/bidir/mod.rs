@@ -343,7 +343,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let wi = -emitted.d;
         let pdf_li = self.pdf_li(chosen.light, &vertex.receiver(time), &emitted.at, wi);
         let distance2 = emitted.at.p().distance_squared(vertex.at.p);
-        let spread = emitted.at.solid_angle_per_area(wi, distance2);
+        let spread = emitted.at.jacobian_to_end_measure(wi, distance2);
         let end = chosen.probability * LightEndPdf::new(emitted.pdf, emitted.at.is_infinite()).end;
         vertex.mis.d_vcm *= square(pdf_li * spread / end);
     }

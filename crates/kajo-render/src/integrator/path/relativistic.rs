@@ -33,10 +33,10 @@ use super::tracer::{CameraPath, Shaded, power_heuristic, receiver};
 use super::{PathSettings, directions, directions::Part};
 use crate::integrator::Integrator;
 use crate::integrator::camera_view::{CameraView, in_white_light};
-use crate::integrator::transport::steps::{MOST_SURFACES, straight_on};
+use crate::integrator::transport::steps::MOST_SURFACES;
 use crate::integrator::transport::{
-    Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, TracedSegment, arrive, pass_straight,
-    radiance_factor, shade,
+    Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, TracedSegment, arrive, cross_hidden,
+    pass_straight, radiance_factor, shade,
 };
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};
@@ -251,12 +251,9 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
             if !matches!(event, Event::Surface) {
                 return event;
             }
-            let Some(hidden) = surface.interface.filter(|interface| !interface.is_real) else { return event };
-            let state = &mut path.path.state;
-            state.media.cross(&hidden);
-            state.connectable = false;
-            self.observer.next(RayKind::Transmitted);
-            state.ray = straight_on(state, surface);
+            if !cross_hidden(&mut path.path.state, surface, self.observer) {
+                return event;
+            }
         }
     }
 
@@ -287,7 +284,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         path.t = own.time_at(s, eta);
         let state = &mut path.path.state;
         let wo = -state.ray.d;
-        arrive(scene, state, surface, TracedSegment { wo, length: s, g: 1.0 });
+        arrive(scene, state, surface, TracedSegment { wo, length: s });
         Event::Surface
     }
 

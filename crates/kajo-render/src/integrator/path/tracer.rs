@@ -506,7 +506,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         let carried = state.beta * scattered * media.transmittance(segment.length());
         let eta = media.eta_of_segment(scene);
-        let visible = connect(scene, &segment, eta, &state.wavelengths, &mut state.draws, self.observer);
+        let visible = connect(scene, &segment, eta, &state.wavelengths, self.observer);
         self.observer.light_drawn(&receiver, light, || !visible.is_black());
         let about = || About {
             eta: state.media.eta(),

@@ -208,12 +208,21 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// The weight of light that the path met.
-    fn weight(&self, state: &PathState<'_>, hit: &LightHit, at: &LightPoint, from: Option<&From>) -> f32 {
+    ///
+    /// * `at`: the point of the light
+    /// * `d`: unit direction in which the path came to it
+    fn weight(
+        &self,
+        state: &PathState<'_>,
+        hit: &LightHit,
+        at: &LightPoint,
+        d: Vec3,
+        from: Option<&From>,
+    ) -> f32 {
         match from {
             None => 1.0,
             Some(from) if state.connectable => {
                 let choice = self.photons.settings.light_choice;
-                let d = state.ray.d;
                 power_heuristic(from.pdf, self.scene().pdf_li(hit.light, &from.receiver, at, d, choice))
             }
             // By way of mirrors: a caustic.
@@ -224,15 +233,15 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     fn add_background(&mut self, state: &PathState<'_>, d: Vec3, from: Option<&From>) {
         let through = from.map_or(state.ray.o, |from| from.receiver.p);
         for hit in self.scene().lights_at_infinity(d, &state.wavelengths) {
-            let weight = self.weight(state, &hit, &LightPoint::Infinite { through }, from);
+            let weight = self.weight(state, &hit, &LightPoint::Infinite { through }, d, from);
             self.add_hit(state, hit.radiance * weight);
         }
     }
 
     fn add_emission(&mut self, state: &PathState<'_>, surface: &SurfaceInteraction, from: Option<&From>) {
-        let hit = self.scene().surface_light(&surface.at, -surface.wo, &state.wavelengths);
-        if let Some(hit) = hit {
-            let weight = self.weight(state, &hit, &LightPoint::on(&surface.at.point), from);
+        let d = -surface.wo;
+        if let Some(hit) = self.scene().surface_light(&surface.at, d, &state.wavelengths) {
+            let weight = self.weight(state, &hit, &LightPoint::on(&surface.at.point), d, from);
             self.add_hit(state, hit.radiance * weight);
         }
     }
@@ -258,8 +267,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let segment = z.at.ray_to(&at, wi, time);
         let carried = state.beta * scattered;
-        let visible =
-            connect(scene, &segment, z.eta(wi), &state.wavelengths, &mut state.draws, self.observer);
+        let visible = connect(scene, &segment, z.eta(wi), &state.wavelengths, self.observer);
         let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
         let weight = if may_meet && !is_delta { power_heuristic(pdf, z.pdf(z.wo, wi)) } else { 1.0 };
         let found = carried * radiance * z.transmittance(wi, distance) * visible * (weight / pdf);

@@ -227,7 +227,7 @@ impl Integrator for PhotonMapping<'_> {
     }
 }
 
-/// NearestScratch for searches, kept from sample to sample.
+/// Scratch memory of k-nearest searches, kept from sample to sample.
 #[derive(Default)]
 struct KeptScratch(NearestScratch);
 

@@ -1,4 +1,4 @@
-//! What is worked out where a path has come to a surface, straight or along a curve.
+//! What is worked out where a path has come to a surface, along a straight line or a curve.
 
 use kajo_core::scene::Scene;
 use kajo_math::Vec3;
@@ -10,17 +10,21 @@ use super::{PathState, SurfaceInteraction};
 pub struct TracedSegment {
     /// Unit direction back along the path.
     pub wo: Vec3,
-    /// Length of the way.
+    /// Length along the path since the last event.
     pub length: f32,
-    /// Frequency where it begins over that where it ends.
-    pub g: f32,
 }
 
-/// Completes what there is to be known of a surface that a path has come to, and weakens the path by the way.
+/// Fills in a [`SurfaceInteraction`] behind its hit (the number for a mixture, the interface) and multiplies `beta` by the absorption along the
+/// segment.
 #[inline]
-pub fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut SurfaceInteraction, way: TracedSegment) {
+pub fn arrive(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    surface: &mut SurfaceInteraction,
+    segment: TracedSegment,
+) {
     let at = &surface.at;
-    TracedSegment { wo: surface.wo, length: surface.length, g: surface.g } = way;
+    TracedSegment { wo: surface.wo, length: surface.length } = segment;
     surface.u = path.draws.number_if(scene.is_mixture(at));
     let enters = surface.wo.dot(at.point.ng) > 0.0;
     let interior = scene.interior(at, &path.wavelengths, surface.u);
@@ -28,7 +32,7 @@ pub fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut SurfaceInte
     attenuate(path, surface);
 }
 
-/// Multiplies the throughput by what the way to a surface does to light.
+/// Multiplies the throughput by the absorption along the segment to a surface.
 #[inline]
 fn attenuate(path: &mut PathState<'_>, surface: &SurfaceInteraction) {
     if !path.media.is_empty() {

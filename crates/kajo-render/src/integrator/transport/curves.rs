@@ -89,8 +89,9 @@ pub fn follow(
         }
         Outcome::Meets => {
             observer.ended(scene, &chord, Some(&surface.at), about);
+            // As for a straight ray, `t` is the length of the path: layers record that of the first hit.
             surface.at.hit.t = length;
-            arrive(scene, path, surface, TracedSegment { wo: -d, length, g });
+            arrive(scene, path, surface, TracedSegment { wo: -d, length });
             Curve::Meets
         }
     }

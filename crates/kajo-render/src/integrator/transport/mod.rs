@@ -17,7 +17,8 @@
 //!          └────────────────────────────────┴─────────────────────────┴──────────────────────────────────────────────┘
 //! ```
 //!
-//! * [`steps::extend`]: one ray to what stops it, weakened by the medium on its way; [`advance`] repeats that to an interface
+//! * [`steps::extend`]: one ray to what stops it, weakened by the medium along it
+//! * [`steps::cross_hidden`]: through an interface that is hidden in a medium of higher priority; [`advance`] repeats both up to a surface
 //!   that is there
 //! * [`shade`]: how the surface scatters
 //! * [`pass_straight`]: through a hole or a pane without an event
@@ -26,8 +27,9 @@
 //! * [`ManifoldWalk`]: a light drawn for a vertex that stands behind clear boundaries, and the chain of refractions that joins both
 //! * [`follow`], [`survives`]: on along a scattered direction, and Russian roulette
 //!
-//! No step calls the next one, and none depends on its caller: a path is followed by calling them in turn, and many paths can
-//! be by calling each of them for all. The order in which they take random numbers is part of their contract.
+//! [`advance`] and [`sample_light`] combine steps for callers that follow one path. The steps themselves do not call the next one and do
+//! not depend on their caller, so a wavefront can call each of them over a queue of paths. The order in which they take random
+//! numbers is part of their contract.
 
 mod arrival;
 mod collisions;
@@ -54,6 +56,6 @@ pub use media::{Joining, connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};
 pub use steps::{
-    DrawnLight, Event, advance, choose_light, connect, follow, light_of_choice, pass_straight, sample_light,
-    shade, survives, survives_in_medium,
+    DrawnLight, Event, advance, choose_light, connect, cross_hidden, follow, light_of_choice, pass_straight,
+    sample_light, shade, survives, survives_in_medium,
 };

@@ -88,11 +88,9 @@ pub struct SurfaceInteraction {
     pub at: Interaction,
     /// Unit direction back along the path.
     pub wo: Vec3,
-    /// Length of the way from the last event.
+    /// Length along the path since the last event, curved or straight.
     pub length: f32,
-    /// Frequency with which light that leaves here arrives at the last event, over that with which it leaves.
-    pub g: f32,
-    /// Chooses among the parts of a mixture.
+    /// Uniform in [0, 1), chooses among the parts of a mixture; 0 where there is none.
     pub u: f32,
     /// What lies on both sides, where light passes.
     pub interface: Option<Interface>,

@@ -3,7 +3,6 @@
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::light::{LightLiSample, LightSelection, Receiver, SampledLight};
-use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::space::Space;
 use kajo_core::{LightIndex, RayOffset};
@@ -18,7 +17,7 @@ use crate::trail::{About, PathObserver, RayKind};
 /// Scatterings after which paths may end at random.
 const SAFE_BOUNCES: u32 = 3;
 
-/// The largest chance to go on at random ends: a path between perfect mirrors must end some day.
+/// Upper bound on the survival probability of Russian roulette, so that paths between perfect mirrors end.
 const LARGEST_SURVIVAL: f32 = 0.98;
 
 /// Surfaces that one path may meet, those that it passes straight on included.
@@ -28,6 +27,9 @@ const LARGEST_SURVIVAL: f32 = 0.98;
 pub const MOST_SURFACES: u32 = 1 << 14;
 
 /// What becomes of a ray that is followed.
+///
+/// By the time an event is reported the path has been shifted to the frequency at it ([`PathState::shift_frequency`]): light that is
+/// found there is asked for at the path's wavelengths and multiplied by its `beta`, and no event has to say how far it was shifted.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
     /// It hits a surface, which was written to a [`SurfaceInteraction`].
@@ -46,9 +48,9 @@ pub enum Event<'a> {
 /// beta <- beta T,     T = exp(-sigma_a length)
 /// ```
 ///
-/// Radiance over the third power of the frequency stays the same along a way; `g` is the ratio of frequencies at its ends.
+/// In a body that bends light along a curve, whose change of frequency is applied as well.
 ///
-/// Takes the number that chooses among the parts of a mixture.
+/// Random numbers: those of null and real collisions in participating media, then one where the material is a mixture.
 #[inline]
 pub fn extend<'a>(
     scene: &'a Scene,
@@ -88,12 +90,11 @@ pub fn extend<'a>(
         differentials::arrive(path, surface);
     }
     let (wo, length) = (-path.ray.d, surface.at.hit.t);
-    arrive(scene, path, surface, TracedSegment { wo, length, g: 1.0 });
+    arrive(scene, path, surface, TracedSegment { wo, length });
     Event::Surface
 }
 
-/// Follows the path to the next surface that is there: interfaces inside media of higher priority are passed as if they
-/// were nothing.
+/// Follows the path to the next surface that is there, [`extend`] and [`cross_hidden`] in turn.
 ///
 /// * `first`: filled with the first surface, there or not, if it is empty
 #[inline]
@@ -112,13 +113,26 @@ pub fn advance<'a>(
         if first.is_none() {
             *first = Some(surface.at);
         }
-        let Some(hidden) = surface.interface.filter(|interface| !interface.is_real) else { return event };
-        path.media.cross(&hidden);
-        // Connections are held up here: what the path hits from here on could not have been found by one.
-        path.connectable = false;
-        observer.next(RayKind::Transmitted);
-        path.ray = straight_on(path, surface);
+        if !cross_hidden(path, surface, observer) {
+            return event;
+        }
     }
+}
+
+/// Passes an interface inside a medium of higher priority than its own, which is not there; `false` at a surface that is.
+#[inline]
+pub fn cross_hidden(
+    path: &mut PathState<'_>,
+    surface: &SurfaceInteraction,
+    observer: &mut impl PathObserver,
+) -> bool {
+    let Some(hidden) = surface.interface.filter(|interface| !interface.is_real) else { return false };
+    path.media.cross(&hidden);
+    // Shadow rays end here: what the path hits from here on could not have been found by one.
+    path.connectable = false;
+    observer.next(RayKind::Transmitted);
+    path.ray = straight_on(path, surface);
+    true
 }
 
 /// How the surface scatters.
@@ -131,8 +145,8 @@ pub fn shade<'s>(scene: &'s Scene, path: &PathState<'_>, surface: &SurfaceIntera
 /// Goes straight on through a hole, or through a pane that the path is to pass, as [`connect`] does; `false` where it is
 /// scattered.
 ///
-/// The vertex before stays the one that the path comes from: connections pass holes and panes too, weakened by the same
-/// share, and the chance of passing is left out of the densities of all ways to find the path alike.
+/// The vertex before stays the previous vertex of the path: connections pass holes and panes too, weakened by the same share. The
+/// probability of passing is a common factor of the densities of all sampling techniques, and is left out of all of them.
 ///
 /// * `bsdf`: scattering there; of a pane that is not passed a mirror is left
 ///
@@ -222,20 +236,17 @@ pub fn light_of_choice(
 /// and nothing where anything else is between or where light bends. What the medium absorbs is left out; see [`super::MediumStack::transmittance`].
 ///
 /// * `eta`: index of refraction of the medium, [`super::MediumStack::eta_of_segment`]
-///
-/// May take random numbers.
 #[inline]
 pub fn connect(
     scene: &Scene,
     segment: &Ray,
     eta: Option<f32>,
     wavelengths: &Wavelengths,
-    draws: &mut SampleStream<'_>,
     observer: &mut impl PathObserver,
 ) -> Spectrum {
     let Some(eta) = eta else { return Spectrum::BLACK };
     observer.counters().shadow += 1;
-    scene.transmittance(segment, eta, wavelengths, draws)
+    scene.transmittance(segment, eta, wavelengths)
 }
 
 /// Goes on along a direction that was sampled at a surface:

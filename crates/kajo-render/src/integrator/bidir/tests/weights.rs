@@ -157,7 +157,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Techn
             let receiver = first.vertex.as_ref().expect("a surface").receiver(0.0);
             let drawn = scene.pdf_li(chosen.light, &receiver, &emitted.at, wi, LightChoice::Tree);
             let distance2 = emitted.at.p().distance_squared(first.p);
-            let spread = emitted.at.solid_angle_per_area(wi, distance2);
+            let spread = emitted.at.jacobian_to_end_measure(wi, distance2);
             let last = &places[places.len() - 2];
             let camera = pdf_camera_at(&it, &ray, last);
             let pdf = scene.pdf_le(chosen.light, 0.0, &emitted.at, -wi, world);

@@ -362,9 +362,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
 
     /// Panes that a path passes at random are in the way: it has then not come along a chain.
     fn is_clear(&mut self, state: &PathState<'s>, chain: &SpecularChain, last: &Ray) -> Option<()> {
-        let (scene, mut draws) = (self.scene(), state.draws);
+        let scene = self.scene();
         let eta = chain.media.eta_of_segment(scene);
-        let visible = connect(scene, last, eta, &state.wavelengths, &mut draws, self.observer);
+        let visible = connect(scene, last, eta, &state.wavelengths, self.observer);
         (visible == Spectrum::WHITE).then_some(())
     }
 }
