@@ -48,6 +48,18 @@ pub struct Arrival {
     pub g: f32,
 }
 
+impl Space {
+    /// Whether the segment between any two points is a path that light takes, so that points may be connected. Where it is not, segments that
+    /// begin inside of a body that bends light are no paths of light.
+    #[inline]
+    pub fn connects(self) -> bool {
+        match self {
+            Space::Flat => true,
+            Space::Curved => false,
+        }
+    }
+}
+
 impl Scene {
     /// The geometry that light travels in.
     #[inline]

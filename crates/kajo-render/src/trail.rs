@@ -7,9 +7,9 @@
 //! radiance of the sample = sum over all segments of their contributions
 //! ```
 
-use kajo_core::light::{AreaLight, LightId, Receiver, SkyLight};
+use kajo_core::LightIndex;
+use kajo_core::light::{LightId, Receiver};
 use kajo_core::scene::{Interaction, RayEvent, Scene};
-use kajo_core::{LightIndex, Pooled};
 use kajo_math::{Ray, Vec3};
 
 use crate::RayCounters;
@@ -68,10 +68,11 @@ pub enum LightSource {
 
 impl LightSource {
     fn of(scene: &Scene, id: LightId) -> Option<LightSource> {
-        if let Some(piece) = AreaLight::find(&scene.lighting.lights, id) {
-            return Some(LightSource::Object(piece.object.number()));
+        let lights = &scene.lighting.lights;
+        if let Some(object) = lights.object(id) {
+            return Some(LightSource::Object(object.number()));
         }
-        if SkyLight::find(&scene.lighting.lights, id).is_some() {
+        if lights.is_background(id) {
             return Some(LightSource::Background);
         }
         scene.lighting.list.iter().position(|&listed| listed == id).map(|at| LightSource::Listed(at as u32))

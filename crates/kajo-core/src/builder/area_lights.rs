@@ -18,7 +18,7 @@ use crate::light::{AreaLight, LightSampler, PatchExtent, Sides, SkyLight};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::scene::Primitive;
-use crate::shape::{Curves, Patch, Prism};
+use crate::shape::Patch;
 
 /// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
 const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
@@ -80,12 +80,8 @@ impl SceneBuilder {
     /// What an object is that would give light if there were patches to draw it from.
     pub(crate) fn emitter_without_patches(&self) -> Option<&'static str> {
         let shapes = &self.geometry.shapes;
-        let what = |primitive: &Primitive| {
-            let curves = Curves::find(shapes, primitive.shape).filter(|curves| !curves.has_patches());
-            let prism = Prism::find(shapes, primitive.shape).map(|_| "a prism");
-            prism.or(curves.map(|_| "a ribbon, or a bundle of many tubes,"))
-        };
-        self.geometry.primitives.iter().filter(|primitive| self.emits(primitive)).find_map(what)
+        let emitters = self.geometry.primitives.iter().filter(|primitive| self.emits(primitive));
+        emitters.map(|primitive| shapes.without_patches(primitive.shape)).find_map(|what| what)
     }
 
     /// Whether the material of an object, or one of its own, gives light.

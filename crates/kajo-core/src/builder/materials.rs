@@ -119,8 +119,7 @@ impl SceneBuilder {
         self.check_textures(material.textures(), name)?;
         if let Some(medium) = material.medium() {
             self.check_medium(medium)?;
-            let is_boundary = matches!(material, AnyMaterial::NullBoundary(_));
-            if !is_boundary && self.appearance.media.bends_light(medium) {
+            if !material.may_bend_light() && self.appearance.media.bends_light(medium) {
                 return Err(SceneError::CurvedInside(name));
             }
         }

@@ -12,7 +12,7 @@ use crate::ids::{FrameId, MotionId, ObjectId, PoseId, TransformId};
 use crate::material::MaterialId;
 use crate::objects::Label;
 use crate::scene::{Geometry, Primitive};
-use crate::shape::{ABSENT, AnyShape, Csg, Mesh, ShapeId, Shapes, Surface};
+use crate::shape::{ABSENT, AnyShape, Csg, ShapeId, Shapes, Surface};
 
 impl SceneBuilder {
     /// Adds a shape, which can stand in many places.
@@ -201,7 +201,8 @@ impl SceneBuilder {
     pub(super) fn finish_geometry(&mut self, frames: &Frames) {
         let geometry = &mut self.geometry;
         geometry.transmits = self.nested_transmits || geometry.primitives.iter().any(|p| p.transmits);
-        geometry.has_vertex_colors = geometry.shapes.meshes.iter().any(Mesh::has_colors);
+        let shapes = &geometry.shapes;
+        geometry.has_vertex_colors = shapes.ids().any(|id| shapes.has_colors(id));
         let mut nested = std::mem::take(&mut self.nested);
         let nested = (!nested.placements.is_empty()).then(|| {
             nested.finish(&geometry.shapes, &self.trees);

@@ -152,7 +152,7 @@ fn voxels_of_a_file_have_their_places() {
         let is_at = |found: Vec3, corner: [f32; 3]| found.abs_diff_eq(corner.into(), 1e-4);
         assert!(is_at(bounds.min, corners[0]) && is_at(bounds.max, corners[1]), "{text}: {bounds:?}");
         let y = 0.5 * (bounds.min.y + bounds.max.y);
-        let found = places.map(|x| media.density(air, &scene.appearance.textures, Vec3::new(x, y, y)));
+        let found = places.map(|x| scene.appearance.density(air, Vec3::new(x, y, y)));
         assert_eq!(found, [1.0, 0.0, 0.5], "{text}");
     }
 }

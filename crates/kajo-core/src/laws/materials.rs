@@ -12,8 +12,8 @@ use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::NormalDistribution};
 use crate::material::{
     Appearance, Blend, BtfMaterial, BtfSettings, Embossed, Glass, GlassSettings, Grain, LayeredMaterial,
-    Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, Perforated, PhongMaterial, Relief,
-    ShadingPoint, SpecularLayer, Substance, SubsurfaceBody,
+    Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, NullBoundary, Perforated, PhongMaterial,
+    Relief, ShadingPoint, SpecularLayer, Substance, SubsurfaceBody,
 };
 use crate::measured::btf::tests::cloth_texture;
 use crate::measured::{MeasuredBrdf, merl};
@@ -284,5 +284,45 @@ fn materials_are_what_they_say() {
         }
         let enters = u.map(|u| appearance.interior(id, &all.at(&Wavelengths::RGB, u)));
         assert!(crosses || enters.iter().all(Option::is_none), "{name} has no inside that light can reach");
+    }
+}
+
+/// A blend of a material with itself, a relief without heights and a surface without holes answer all questions as the material does; but
+/// holes, which there might be, let light in without a boundary.
+#[test]
+fn wrappers_answer_as_what_they_wrap() {
+    let Samples { mut appearance, .. } = made();
+    let boundary = NullBoundary { medium: appearance.media.ids().next(), priority: 3 };
+    boundary.store(&mut appearance.materials).expect("there is room");
+    let ids: Vec<MaterialId> = appearance.materials.ids().collect();
+    for part in ids {
+        let pool = &mut appearance.materials;
+        let blend = Blend { amount: 0.0.into(), materials: [part; 2] }.store(pool);
+        let relief = Relief::Heights { heights: 0.5.into(), height: 0.0 };
+        let flat = Embossed { material: part, relief }.store(pool);
+        let whole = Perforated { material: part, opacity: 1.0.into() }.store(pool);
+        let [blend, flat, whole] = [blend, flat, whole].map(|id| id.expect("there is room"));
+        let all = &appearance;
+        let context = TextureContext { uv: Vec2::new(0.3, 0.6).into(), ..TextureContext::default() };
+        for u in [0.1, 0.7] {
+            let at = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            let scattered = |id| {
+                let flags = [all.needs_uv(id), all.has_medium(id), all.bends_light(id)];
+                let passage = all.passage(id, &at, 0.7);
+                format!("{:?} {passage:?} {:?} {flags:?}", all.bsdf(id, &at), all.phong(id, &context))
+            };
+            for wrapped in [blend, flat, whole] {
+                assert_eq!(scattered(wrapped), scattered(part), "{}", Materials::kind(wrapped));
+            }
+            let inside = |id| {
+                let flags = [all.may_transmit(id), all.has_passages(id)];
+                format!("{:?} {flags:?}", all.interior(id, &at))
+            };
+            assert_eq!([inside(blend), inside(flat)], [inside(part), inside(part)]);
+            assert!(all.interior(whole, &at).is_none() && all.may_transmit(whole) && all.has_passages(whole));
+            let turn = |id| (all.orientation(id, &at).turn, all.is_oriented(id));
+            assert_eq!([turn(blend), turn(whole)], [turn(part), turn(part)]);
+            assert_eq!((all.orientation(flat, &at).turn, all.is_oriented(flat)), (turn(part).0, true));
+        }
     }
 }

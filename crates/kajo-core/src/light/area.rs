@@ -237,6 +237,14 @@ impl Emitter for AreaLight {
         }
     }
 
+    fn is_pointlike(&self) -> bool {
+        false
+    }
+
+    fn object(&self) -> Option<ObjectId> {
+        Some(self.object)
+    }
+
     fn bounds(&self) -> Option<LightBounds> {
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         let power = sides * PI * self.patch.area() as f32 * self.emission.luminance();

@@ -96,6 +96,10 @@ impl Emitter for DirectionalLight {
         }
     }
 
+    fn is_pointlike(&self) -> bool {
+        true
+    }
+
     fn bounds(&self) -> Option<LightBounds> {
         None
     }

@@ -53,7 +53,7 @@ use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
 use crate::family::family;
-use crate::ids::VariedEmissionId;
+use crate::ids::{ObjectId, VariedEmissionId};
 
 /// Light that arrives at a point when nothing is in the way.
 #[derive(Clone, Copy, Debug)]
@@ -161,6 +161,24 @@ pub trait Emitter {
         None
     }
 
+    /// Whether rays do not hit it, or hardly ever: a point, a direction, or a disc in the sky as small as the sun.
+    fn is_pointlike(&self) -> bool;
+
+    /// Whether it has a position and yet does not fall off with the square of the distance, as lights of the classic formula may.
+    fn is_unfading(&self) -> bool {
+        false
+    }
+
+    /// The object whose surface it is a patch of.
+    fn object(&self) -> Option<ObjectId> {
+        None
+    }
+
+    /// Whether it is what rays see that leave the scene into any direction.
+    fn is_background(&self) -> bool {
+        false
+    }
+
     /// Whether rays that leave the scene can hit it: see [`Emitter::radiance_at_infinity`].
     fn is_seen_at_infinity(&self) -> bool {
         false
@@ -220,6 +238,14 @@ family! {
         fn irradiance() -> f32;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
+        /// See [`Emitter::is_pointlike`].
+        fn is_pointlike() -> bool;
+        /// See [`Emitter::is_unfading`].
+        fn is_unfading() -> bool;
+        /// See [`Emitter::object`].
+        fn object() -> Option<ObjectId>;
+        /// See [`Emitter::is_background`].
+        fn is_background() -> bool;
         /// See [`Emitter::is_seen_at_infinity`].
         fn is_seen_at_infinity() -> bool;
         /// See [`Emitter::radiance_at_infinity`].

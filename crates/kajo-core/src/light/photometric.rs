@@ -235,6 +235,10 @@ impl Emitter for PhotometricLight {
         f32::from(u8::from(self.is_at(at) && self.shines_into(-wi)))
     }
 
+    fn is_pointlike(&self) -> bool {
+        true
+    }
+
     fn bounds(&self) -> Option<LightBounds> {
         let (first, last) = self.photometry.reach();
         // A luminaire that shines up only is narrower around the other axis.

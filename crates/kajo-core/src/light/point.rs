@@ -111,6 +111,14 @@ impl Emitter for PointLight {
         f32::from(u8::from(self.is_at(at)))
     }
 
+    fn is_pointlike(&self) -> bool {
+        true
+    }
+
+    fn is_unfading(&self) -> bool {
+        self.attenuation[2] == 0.0
+    }
+
     /// Falloffs other than the inverse square are weighed as if they were that.
     fn bounds(&self) -> Option<LightBounds> {
         Some(self.point_bounds())

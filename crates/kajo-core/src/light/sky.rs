@@ -103,6 +103,14 @@ impl Emitter for SkyLight {
         if at.is_infinite() { self.pdf(wi) } else { 0.0 }
     }
 
+    fn is_pointlike(&self) -> bool {
+        false
+    }
+
+    fn is_background(&self) -> bool {
+        true
+    }
+
     fn bounds(&self) -> Option<LightBounds> {
         None
     }

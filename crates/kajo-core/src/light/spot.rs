@@ -108,6 +108,14 @@ impl Emitter for SpotLight {
         if self.profile(-wi) > 0.0 { self.point.pdf_li(to, at, wi) } else { 0.0 }
     }
 
+    fn is_pointlike(&self) -> bool {
+        true
+    }
+
+    fn is_unfading(&self) -> bool {
+        self.point.is_unfading()
+    }
+
     fn bounds(&self) -> Option<LightBounds> {
         // Within its cone it is as bright as the point light; that it is dark elsewhere is in the reach.
         let point = self.point.point_bounds();

@@ -2,8 +2,10 @@
 
 use std::collections::HashMap;
 
+use kajo_math::Vec3;
+
 use super::{MaterialId, Materials};
-use crate::medium::Media;
+use crate::medium::{Media, MediumId};
 use crate::texture::Textures;
 
 /// Materials, and what they are made of: what any of them is asked in.
@@ -43,5 +45,11 @@ impl Appearance {
     /// that came with a mesh.
     pub fn number(&self, material: MaterialId) -> u32 {
         self.numbers.get(&material).copied().unwrap_or(0)
+    }
+
+    /// The density of a medium at a world-space point, not negative; see [`crate::medium::Medium::density`].
+    #[inline]
+    pub fn density(&self, medium: MediumId, p: Vec3) -> f32 {
+        self.media.density(medium, &self.textures, p)
     }
 }

@@ -167,6 +167,11 @@ pub trait Material {
         None
     }
 
+    /// Whether its [`Material::medium`] may be one in which light bends: only where there is nothing but the medium.
+    fn may_bend_light(&self) -> bool {
+        false
+    }
+
     /// Whether a body of it is filled anywhere with a medium that absorbs or scatters light.
     fn has_medium(&self, appearance: &Appearance) -> bool {
         let own = self.medium().is_some_and(|medium| !appearance.media.bends_light(medium));
@@ -211,6 +216,8 @@ family! {
         fn textures() -> Vec<AnyTexture<'_>>;
         /// See [`Material::medium`].
         fn medium() -> Option<MediumId>;
+        /// See [`Material::may_bend_light`].
+        fn may_bend_light() -> bool;
     }
     methods {
         /// See [`Material::emission`].

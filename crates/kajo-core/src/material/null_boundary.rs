@@ -88,4 +88,8 @@ impl Material for NullBoundary {
     fn medium(&self) -> Option<MediumId> {
         self.medium
     }
+
+    fn may_bend_light(&self) -> bool {
+        true
+    }
 }

@@ -16,7 +16,7 @@ use kajo_color::Spectrum;
 use kajo_math::fmath;
 
 use super::parts::answers_of_part;
-use super::{Appearance, Material, MaterialId, ShadingPoint};
+use super::{Appearance, Interior, Material, MaterialId, ShadingPoint};
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
 use crate::texture::{AnyTexture, FloatTexture, TextureContext, Textures};
@@ -87,6 +87,11 @@ impl Material for Perforated {
     }
 
     answers_of_part!(bsdf, orientation);
+
+    /// None, whatever fills bodies of the material between the holes: light comes in through these without passing a boundary.
+    fn interior(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>) -> Option<Interior> {
+        None
+    }
 
     fn needs_uv(&self, appearance: &Appearance) -> bool {
         self.opacity.needs_uv(&appearance.textures) || appearance.needs_uv(self.material)

@@ -162,11 +162,6 @@ impl Mesh {
         self.0.faces[face as usize].map(|i| self.0.positions[i as usize])
     }
 
-    /// Whether the corners have colours.
-    pub fn has_colors(&self) -> bool {
-        self.0.colors.is_some()
-    }
-
     /// Whether the colours of the corners let anything show through.
     pub fn has_opacities(&self) -> bool {
         self.0.colors.as_ref().is_some_and(|colors| colors.values.iter().any(|color| color.w < 1.0))
@@ -235,6 +230,10 @@ impl Surface for Mesh {
         let [a, b, c] = self.0.colors.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
         // Coordinates that are rounded may lie a little outside.
         Some(((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).clamp(Vec4::ZERO, Vec4::ONE))
+    }
+
+    fn has_colors(&self) -> bool {
+        self.0.colors.is_some()
     }
 
     fn tangents_at(&self, hit: &Hit, _p: Vec3) -> Tangents {

@@ -132,6 +132,11 @@ pub trait Surface: Sized {
         None
     }
 
+    /// Whether [`Surface::color_at`] knows colours.
+    fn has_colors(&self) -> bool {
+        false
+    }
+
     /// How the position changes with surface coordinates at the point `p` of a hit.
     fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents;
 
@@ -173,6 +178,11 @@ pub trait Surface: Sized {
     /// The patches that the surface consists of with their parts, for surfaces that give light; none for
     /// unbounded ones. What has no closed form is a [`TracedPatch`].
     fn patches<F: FnMut(u32, Patch)>(&self, _visit: F) {}
+
+    /// What the surface is called in messages, if it has an end and no patches all the same.
+    fn without_patches(&self) -> Option<&'static str> {
+        None
+    }
 
     /// Triangles that stand for the surface; none for unbounded ones.
     ///
@@ -254,6 +264,8 @@ family! {
         fn second_uv_at(hit: &Hit, p: Vec3) -> Option<Vec2>;
         /// See [`Surface::color_at`].
         fn color_at(hit: &Hit) -> Option<Vec4>;
+        /// See [`Surface::has_colors`].
+        fn has_colors() -> bool;
         /// See [`Surface::tangents_at`].
         fn tangents_at(hit: &Hit, p: Vec3) -> Tangents;
         /// See [`Surface::is_closed`].
@@ -272,6 +284,8 @@ family! {
         fn is_inverted(part: u32) -> bool;
         /// See [`Surface::patches`].
         fn patches(visit: &mut dyn FnMut(u32, Patch));
+        /// See [`Surface::without_patches`].
+        fn without_patches() -> Option<&'static str>;
         /// See [`Surface::tessellate`].
         fn tessellate(around: u32, out: &mut Tessellation);
         /// See [`Surface::material_slot`].

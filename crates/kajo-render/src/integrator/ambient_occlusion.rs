@@ -7,15 +7,16 @@
 //! with `V` 1 where nothing is nearer than a given distance along `w`. One direction a sample, drawn by the
 //! cosine, so that the estimate is the mean of `V` [Zhukov et al. 1998].
 
-use kajo_color::Wavelengths;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::RayOffset;
+use kajo_core::bsdf::Transport;
 use kajo_core::camera::Camera;
-use kajo_core::scene::{Interaction, Scene};
+use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 use kajo_math::{Frame, Vec2, warp};
 
 use super::camera_view::CameraView;
-use super::transport::connect;
+use super::transport::{Event, PathState, SurfaceInteraction, advance, connect};
 use super::{Integrator, IntegratorSettings, IntegratorSpec, Prepare, Quantity, without_curves};
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
@@ -103,26 +104,33 @@ impl Integrator for AmbientOcclusion<'_> {
         let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
         draws.skip(1); // There are no wavelengths.
         observer.counters().camera += 1;
-        let mut at = Interaction::default();
-        let hits = scene.trace_into(None, &ray, &mut at);
-        let about = || About { eta: 1.0, weight: [1.0; 3], light: None };
-        observer.ended(scene, &ray, hits.then_some(&at), about);
-        if !hits {
-            observer.found(|| [1.0; 3]);
-            ctx.aux.lights[0] = [1.0; 3];
-            return PixelSample { radiance: [1.0; 3], first: None };
+        let media = self.view.media_around(&ray, &Wavelengths::RGB);
+        // The path has a copy of the numbers: what it takes is not missing below.
+        let mut path =
+            PathState::new(ray, Wavelengths::RGB, Spectrum::WHITE, Transport::Radiance, media, draws);
+        let (mut surface, mut first) = (SurfaceInteraction::default(), None);
+        match advance(scene, &mut path, &mut surface, &mut first, observer) {
+            Event::Surface => {}
+            Event::Escaped(_) => {
+                observer.found(|| [1.0; 3]);
+                ctx.aux.lights[0] = [1.0; 3];
+                return PixelSample { radiance: [1.0; 3], first: None };
+            }
+            Event::Medium(_) | Event::Absorbed => return PixelSample::default(),
         }
-        let wo = -ray.d;
+        let SurfaceInteraction { at, wo, .. } = surface;
         let n = if wo.dot(at.point.n) < 0.0 { -at.point.n } else { at.point.n };
         let wi = Frame::from_normal(n).to_world(warp::cosine_hemisphere(draws.next_2d()));
         let segment = at.point.ray_towards(wi, self.settings.reach, ray.time, RayOffset::Auto);
+        let eta = path.media.eta_of_segment(scene);
+        let about = || About { eta: eta.unwrap_or(1.0), weight: [1.0; 3], light: None };
         // Below the true surface of a shading normal there is only that surface.
         let below = wi.dot(at.point.ng) * wo.dot(at.point.ng) < 0.0;
         let open = if below {
             observer.counters().shadow += 1;
             0.0
         } else {
-            connect(scene, &segment, Some(1.0), &Wavelengths::RGB, observer).luminance()
+            connect(scene, &segment, eta, &path.wavelengths, observer).luminance()
         };
         observer.joined(RayKind::Shadow, scene, &segment, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];

@@ -6,11 +6,10 @@
 //! from a seed of their own, so the choice is a function of the scene, the same on all machines.
 
 use kajo_color::Wavelengths;
-use kajo_core::light::{Emitter, Lights, PowerLightSampler};
+use kajo_core::light::{LightId, PowerLightSampler};
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_core::settings::IntegratorName;
-use kajo_core::space::Space;
 use kajo_math::Vec2;
 
 use super::photon::emission::{Emission, PhotonRequest, Wanted};
@@ -65,7 +64,7 @@ fn try_out(scene: &Scene) -> Choice {
     if scene.relativity.is_some() {
         return of(&path::PATH, "it alone follows light between things at such speeds");
     }
-    if scene.space() == Space::Curved {
+    if !scene.space().connects() {
         return of(&path::PATH, "light is bent here, so that points cannot be joined by straight lines");
     }
     if scene.lighting.fog.is_some() || is_of_the_formula(scene) {
@@ -98,25 +97,25 @@ fn try_out(scene: &Scene) -> Choice {
 /// that emits.
 fn is_of_the_formula(scene: &Scene) -> bool {
     let lights = &scene.lighting.lights;
-    let fades = |attenuation: [f32; 3]| attenuation[2] != 0.0;
-    let unfading = lights.point.iter().any(|light| !fades(light.attenuation))
-        || lights.spots.iter().any(|light| !fades(light.point.attenuation));
+    let unfading = lights.ids().any(|id| lights.is_unfading(id));
     // Scenes without lights have ambient light of their own accord.
     let has_ambient = !scene.lighting.ambient.is_black() && has_points(scene);
-    lights.areas.is_empty() && (has_ambient || unfading)
+    let emits = lights.ids().any(|id| lights.object(id).is_some());
+    !emits && (has_ambient || unfading)
 }
 
-/// Whether there are lights without extent.
+/// Whether there are lights that rays do not hit, or hardly ever.
 fn has_points(scene: &Scene) -> bool {
-    let Lights { point, spots, directional, photometric, .. } = &scene.lighting.lights;
-    !(point.is_empty() && spots.is_empty() && directional.is_empty() && photometric.is_empty())
+    let lights = &scene.lighting.lights;
+    lights.ids().any(|id| lights.is_pointlike(id))
 }
 
 /// The share of light that comes from infinitely far away and all around.
 fn sky(scene: &Scene, power_sampler: &PowerLightSampler) -> f32 {
     let (lights, world) = (&scene.lighting.lights, power_sampler.world());
     let all: f32 = scene.lighting.sampler.list().iter().map(|&id| lights.power(id, world)).sum();
-    let sky: f32 = lights.skies.iter().map(|sky| sky.power(world)).sum();
+    let surrounds = |id: &LightId| lights.is_background(*id);
+    let sky: f32 = lights.ids().filter(surrounds).map(|id| lights.power(id, world)).sum();
     sky / all
 }
 

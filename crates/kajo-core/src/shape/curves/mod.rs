@@ -586,6 +586,10 @@ impl Surface for Curves {
         self.0.leaves.len() as u32
     }
 
+    fn without_patches(&self) -> Option<&'static str> {
+        (!self.has_patches()).then_some("a ribbon, or a bundle of many tubes,")
+    }
+
     /// A span of a tube is one. Ribbons, which look different from everywhere, and many spans are met by chance.
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
         let parts = &*self.0;

@@ -426,6 +426,10 @@ impl Surface for Prism {
         FIRST_WALL + self.0.curves.len() as u32 + if self.0.edge.is_some() { 2 } else { 0 }
     }
 
+    fn without_patches(&self) -> Option<&'static str> {
+        Some("a prism")
+    }
+
     fn tessellate(&self, around: u32, out: &mut Tessellation) {
         let parts = &*self.0;
         let sweep = &parts.sweep;

@@ -195,7 +195,7 @@ impl<'a> Stretch<'a> {
     }
 
     pub(super) fn density(&self, p: Vec3) -> f32 {
-        self.scene.appearance.media.density(self.medium, &self.scene.appearance.textures, p)
+        self.scene.appearance.density(self.medium, p)
     }
 
     /// `T[i] sigma[i] / (T[h] sigma[h])` after a step that ended in a collision; black where rounding left nothing.

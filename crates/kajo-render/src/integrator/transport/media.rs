@@ -60,7 +60,7 @@ pub fn connect_through_media(
     mut with: Joining<'_, '_>,
     observer: &mut impl PathObserver,
 ) -> Passage {
-    if media.eta_of_segment(scene).is_none() {
+    if !media.connects(scene) {
         return Passage::closed();
     }
     observer.counters().shadow += 1;

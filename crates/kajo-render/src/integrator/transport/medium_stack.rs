@@ -10,7 +10,6 @@ use kajo_core::ObjectId;
 use kajo_core::material::Interior;
 use kajo_core::medium::{MaybeMedium, MediumId};
 use kajo_core::scene::Scene;
-use kajo_core::space::Space;
 use kajo_math::Ray;
 
 /// Media that a stack has room for. Where more overlap, the one entered first is forgotten.
@@ -127,12 +126,16 @@ impl MediumStack {
         self.top().map_or(1.0, |medium| medium.eta)
     }
 
-    /// Index of refraction around the point for a segment that starts there; `None` where light bends, so that no segment is
-    /// the way of light.
+    /// Whether light goes along segments that start at the point, so that it may be connected with others: not where light bends.
+    #[inline]
+    pub fn connects(&self, scene: &Scene) -> bool {
+        scene.space().connects() || self.curved(scene).is_none()
+    }
+
+    /// Index of refraction around the point for a segment that starts there; `None` where it does not [connect](MediumStack::connects).
     #[inline]
     pub fn eta_of_segment(&self, scene: &Scene) -> Option<f32> {
-        let bends = scene.space() == Space::Curved && self.curved(scene).is_some();
-        (!bends).then(|| self.eta())
+        self.connects(scene).then(|| self.eta())
     }
 
     /// Absorption per unit length around the point, where there is any.
