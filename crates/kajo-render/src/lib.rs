@@ -25,8 +25,8 @@ pub use ray_counters::RayCounters;
 pub use rect::Rect;
 pub use sample::{FirstHit, PixelIntegrator, PixelSample, WithState};
 pub use schedule::{
-    FailedUnit, Goal, Position, RenderError, RenderSettings, RenderStats, Unit, render, render_passes,
-    render_work_unit,
+    FailedUnit, Goal, Position, RenderError, RenderSettings, RenderStats, Unit, position_of, render,
+    render_passes, render_work_unit,
 };
 pub use setup::{Setup, SetupError};
 pub use trail::{LightSource, RayKind, Segment, Trail, TrailHit};

@@ -10,6 +10,10 @@ pub trait Progress: Sync {
     /// a sample only where its paths fork. A sample that is given up so is not in the film.
     fn cancelled(&self) -> bool;
 
+    /// `done` of `tasks` are finished by which an integrator prepares what its samples share; see [`Setup::tasks`](crate::Setup::tasks). It may
+    /// have more than one such list of tasks.
+    fn prepared(&self, _done: u32, _tasks: u32) {}
+
     /// A note on how the picture is made, a sentence for the user.
     fn note(&self, _sentence: &str) {}
 }

@@ -81,7 +81,7 @@ impl RenderSettings {
     }
 
     /// What an integrator may use to make its state.
-    fn setup<'a>(&self, progress: &'a dyn Progress) -> Setup<'a> {
+    pub fn setup<'a>(&self, progress: &'a dyn Progress) -> Setup<'a> {
         Setup { seed: self.seed, threads: self.thread_count(), memory: self.memory, progress }
     }
 }
@@ -151,6 +151,18 @@ impl Sequence {
             }
             Some(index)
         })
+    }
+}
+
+/// The position in the order in which a render takes the samples of a pixel at which it takes that of an index, which is what decides on the
+/// [state](crate::state) that it is taken with.
+pub fn position_of(sampler: &Sampler, index: u32) -> u32 {
+    match Sequence::new(sampler) {
+        Sequence { stride: 1, .. } => index,
+        sequence => {
+            let mut all = sequence.indices(0..sampler.samples());
+            all.position(|other| other == index).map_or(index, |position| position as u32)
+        }
     }
 }
 

@@ -74,6 +74,9 @@ impl Setup<'_> {
                         found.1.get_or_insert(error);
                     }
                 }
+                let done = found.0.len() as u32;
+                drop(found);
+                self.progress.prepared(done, n);
             }
         };
         thread::scope(|scope| {

@@ -13,13 +13,14 @@
 
 use crate::{PixelIntegrator, RayCounters, Setup, SetupError};
 
-/// The state of the part at hand.
-pub(crate) struct States<'i, I: ?Sized> {
+/// The parts' states of an integrator, one at a time: the newest is kept until another one is asked for.
+pub struct States<'i, I: ?Sized> {
     integrator: &'i I,
     current: Option<(u32, Box<dyn PixelIntegrator + 'i>)>,
 }
 
 impl<'i, I: PixelIntegrator + ?Sized> States<'i, I> {
+    /// None is made yet.
     pub fn new(integrator: &'i I) -> States<'i, I> {
         States { integrator, current: None }
     }
@@ -29,9 +30,13 @@ impl<'i, I: PixelIntegrator + ?Sized> States<'i, I> {
         self.integrator.samples_per_state().map_or(u32::MAX, |n| (position / n.max(1) + 1).saturating_mul(n))
     }
 
-    /// Makes the state of the part that a position belongs to, unless it is at hand; `None` for an integrator without any.
+    /// The integrator with the state of the part that a position belongs to, which is made unless it is kept; `None` for an integrator without
+    /// any.
     ///
     /// * `rays`: those cast for it are added
+    ///
+    /// # Errors
+    /// [`SetupError`]; then no state is kept.
     pub fn at(
         &mut self,
         position: u32,

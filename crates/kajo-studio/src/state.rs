@@ -59,6 +59,7 @@ pub use watch::Watch;
 use asking::Asking;
 use editing::DraggedField;
 use long_texts::{LongTexts, Task};
+use rays::Probing;
 use selection::Chosen;
 use sight::Sight;
 use steps::CameraSteps;
@@ -111,6 +112,7 @@ pub struct Studio {
     pub preview: Option<(Version, Arc<Preview>)>,
     /// The debug ray, if one was shot.
     pub rays: Option<Rays>,
+    probing: Probing,
     /// From where one looks.
     pub camera: CameraPose,
     camera_version: u64,
@@ -178,6 +180,7 @@ impl Studio {
             selection: Selection::default(),
             preview: None,
             rays: None,
+            probing: Probing::new(0, &wake),
             navigation: Navigation::of(None, &camera),
             camera,
             camera_version: 0,
@@ -226,6 +229,9 @@ impl Studio {
             Action::Trace => self.trace(),
             Action::Stop => {
                 self.tracer.cancel();
+                if self.rays_progress().is_some() {
+                    self.clear_rays();
+                }
                 self.stop_turntable.store(true, Ordering::Relaxed);
             }
             Action::Turntable(ref path) => {
@@ -286,6 +292,7 @@ impl Studio {
             self.preview = Some(preview);
         }
         self.look();
+        self.take_rays();
         match self.turntable.take() {
             Some(Ok(text)) => self.say(&text, false),
             Some(Err(text)) => self.say(&text, true),

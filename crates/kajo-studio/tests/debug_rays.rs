@@ -5,9 +5,10 @@ mod common;
 use common::Window;
 use egui::{Event, Key, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
+use kajo::IntegratorName;
 use kajo::kajo_math::DVec2;
 use kajo_edit::FieldValue;
-use kajo_studio::state::Action;
+use kajo_studio::state::{Action, Studio};
 
 /// Where the debug ray ends first, in the world.
 fn first_hit(window: &mut Window) -> [f64; 3] {
@@ -141,7 +142,7 @@ fn the_key_that_is_held_shoots_wherever_the_pointer_goes() {
 #[test]
 fn other_samples_of_the_pixel_can_be_followed() {
     let mut window = Window::new();
-    window.studio().options.asked.integrator = Some(kajo::IntegratorName("path"));
+    window.studio().options.asked.integrator = Some(IntegratorName("path"));
     let floor = window.point([0.0, -1.0, 2.0]);
     shoot(&mut window, floor);
     let first = window.studio().rays.clone().unwrap();
@@ -153,4 +154,41 @@ fn other_samples_of_the_pixel_can_be_followed() {
     assert_ne!(first.ray, other.ray);
     window.studio().apply(Action::DebugSample(1000));
     assert_eq!(window.studio().rays.as_ref().unwrap().sample, 63);
+}
+
+/// The first ray of an integrator with a map waits for it, without the window; the next ones have it, and Escape ends the wait.
+#[test]
+fn rays_of_integrators_that_prepare_something_come_when_that_is_done() {
+    let mut window = Window::new();
+    let ask = |window: &mut Window, photons: u32| {
+        let asked = &mut window.studio().options.asked;
+        asked.integrator = Some(IntegratorName("photon"));
+        asked.photons = Some(photons);
+    };
+    ask(&mut window, 2000);
+    let ball = window.point([-2.6, 1.4, 1.3]);
+    shoot(&mut window, ball);
+    let is_there = |studio: &Studio| studio.rays_progress().is_none();
+    window.wait(is_there);
+    let first = window.studio().rays.as_ref().unwrap();
+    assert!(!first.is_awaited && !first.ray.segments.is_empty());
+    // The bottom panel has opened, so the next picture is of another size.
+    shoot(&mut window, ball);
+    window.wait(is_there);
+    window.harness.hover_at(ball + vec2(4.0, 0.0));
+    window.frames(2);
+    window.harness.key_press(Key::E);
+    window.harness.step();
+    assert!(!window.studio().rays.as_ref().unwrap().is_awaited, "nothing is prepared again");
+    window.wait(is_there);
+
+    ask(&mut window, 1 << 24);
+    shoot(&mut window, ball);
+    assert!(window.studio().rays.as_ref().unwrap().is_awaited && window.studio().rays_progress().is_some());
+    window.key(Key::Escape);
+    assert!(window.studio().rays.is_none() && window.studio().rays_progress().is_none());
+    shoot(&mut window, ball);
+    window.harness.get_by_label("Stop").click();
+    window.frames(2);
+    assert!(window.studio().rays.is_none() && window.studio().rays_progress().is_none());
 }

@@ -4,13 +4,25 @@
 //! one sample there and keeps every ray of it. The sample is the one that a render with the same settings takes,
 //! except that its place in the picture is given: all other random numbers are those of the pixel's sample of
 //! that index. The contributions of its segments add up to its radiance.
+//!
+//! Integrators may prepare what many samples share, such as photon maps, records of irradiance, paths from lights that are merged with, or which lights
+//! arrive. Debug rays show samples with all of that: [`DebugRays`] prepares it with the first ray and keeps it for all further ones, and a [`Prober`]
+//! does so in a thread of its own. Only Metropolis light transport shows something else than it renders with, an independent sample of the integrator
+//! whose samples its chains mutate: what a chain adds to the picture belongs to no pixel.
+
+mod prober;
 
 use kajo_core::scene::Scene;
 use kajo_math::{DVec2, Vec2, Vec3};
-use kajo_render::{Layer, LayerSet, RayCounters, SampleContext};
+use kajo_render::state::States;
+use kajo_render::{
+    Layer, LayerSet, PixelIntegrator, Progress, RayCounters, SampleContext, Silent, position_of,
+};
 
-use crate::{CameraPose, RenderSettings};
+use crate::{CameraPose, RenderSettings, Resources};
+pub use kajo_render::SetupError;
 pub use kajo_render::trail::{LightSource, RayKind, Segment, TrailHit};
+pub use prober::{ProbeSubject, Prober};
 
 /// What is seen at a place of the picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +74,7 @@ pub fn pick(scene: &Scene, camera: &CameraPose, place: DVec2, size: [u32; 2]) ->
 }
 
 /// All rays of one sample.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DebugRay {
     /// The rays, each after the one that it starts from.
     pub segments: Vec<Segment>,
@@ -88,31 +100,91 @@ impl DebugRay {
     }
 }
 
-/// Follows the light of one sample through a place of the picture.
+/// Follows the light of one sample through a place of the picture, and prepares what the integrator needs for that alone; see [`DebugRays`].
 ///
 /// * `place`: as in [`pick`]
 /// * `index`: which of the pixel's samples to take the random numbers of
+///
+/// # Errors
+/// [`SetupError`] where the integrator cannot be prepared.
 pub fn debug_ray(
     scene: &Scene,
     settings: &RenderSettings,
     camera: &CameraPose,
     place: DVec2,
     index: u32,
-) -> DebugRay {
-    let layers = LayerSet::of(&[Layer::Color]);
-    let integrator = crate::render::integrator(scene, camera.camera(), settings, layers);
-    let sampler = settings.sampler();
-    let mut ctx = SampleContext::new(&sampler, settings.seed);
-    let [width, height] = settings.size;
-    let pixel = [place.x as u32, place.y as u32];
-    let pixel = [pixel[0].min(width.saturating_sub(1)), pixel[1].min(height.saturating_sub(1))];
-    ctx.begin(pixel, index);
-    let (sample, trail) = integrator.trail(&mut ctx, pixel, place.as_vec2());
-    DebugRay {
-        segments: trail.segments().to_vec(),
-        left_out: trail.left_out(),
-        radiance: sample.radiance,
-        rays: trail.counters(),
+) -> Result<DebugRay, SetupError> {
+    DebugRays::new(scene, settings, camera).shooter().shoot(place, index, &Resources::default(), &Silent)
+}
+
+/// What debug rays of a scene with the same settings through the same camera share.
+pub struct DebugRays<'a> {
+    integrator: Box<dyn PixelIntegrator + 'a>,
+    settings: RenderSettings,
+}
+
+impl<'a> DebugRays<'a> {
+    /// Nothing is prepared yet.
+    pub fn new(scene: &'a Scene, settings: &RenderSettings, camera: &'a CameraPose) -> DebugRays<'a> {
+        let layers = LayerSet::of(&[Layer::Color]);
+        let integrator = crate::render::integrator(scene, camera.camera(), settings, layers);
+        DebugRays { integrator, settings: *settings }
+    }
+
+    /// Whether the first ray may take long, since the integrator prepares something.
+    pub fn need_state(&self) -> bool {
+        self.integrator.trails_need_state()
+    }
+
+    /// Shoots rays one after the other.
+    pub fn shooter(&self) -> DebugShooter<'_> {
+        DebugShooter { rays: self, states: States::new(&*self.integrator) }
+    }
+}
+
+/// Shoots debug rays, and keeps what the integrator has prepared for the last one.
+pub struct DebugShooter<'i> {
+    rays: &'i DebugRays<'i>,
+    states: States<'i, dyn PixelIntegrator + 'i>,
+}
+
+impl DebugShooter<'_> {
+    /// Follows the light of one sample through a place of the picture.
+    ///
+    /// * `place`, `index`: as for [`debug_ray`]
+    /// * `resources`: threads and memory for what is prepared
+    /// * `progress`: is told how much of it is done, and may end it
+    ///
+    /// # Errors
+    /// [`SetupError`] where it cannot be prepared, or was ended.
+    pub fn shoot(
+        &mut self,
+        place: DVec2,
+        index: u32,
+        resources: &Resources,
+        progress: &dyn Progress,
+    ) -> Result<DebugRay, SetupError> {
+        let DebugRays { integrator, settings } = self.rays;
+        let sampler = settings.sampler();
+        let with_state = if integrator.trails_need_state() {
+            let setup = crate::render::schedule(settings, resources);
+            let position = position_of(&sampler, index);
+            self.states.at(position, &setup.setup(progress), &mut RayCounters::default())?
+        } else {
+            None
+        };
+        let mut ctx = SampleContext::new(&sampler, settings.seed);
+        let [width, height] = settings.size;
+        let pixel = [place.x as u32, place.y as u32];
+        let pixel = [pixel[0].min(width.saturating_sub(1)), pixel[1].min(height.saturating_sub(1))];
+        ctx.begin(pixel, index);
+        let (sample, trail) = with_state.unwrap_or(&**integrator).trail(&mut ctx, pixel, place.as_vec2());
+        Ok(DebugRay {
+            segments: trail.segments().to_vec(),
+            left_out: trail.left_out(),
+            radiance: sample.radiance,
+            rays: trail.counters(),
+        })
     }
 }
 

@@ -129,7 +129,7 @@ fn the_object_under_a_thousand_pixels_is_the_one_drawn_there() {
             let nearest = places.map(|found| found.distance(place)).fold(f64::INFINITY, f64::min);
             assert!(nearest < 0.05, "{camera}: {} is {nearest} from {place}", seen.point);
             if is_pinhole {
-                let ray = debug_ray(&scene, &settings, &pose, place, 0);
+                let ray = debug_ray(&scene, &settings, &pose, place, 0).unwrap();
                 assert_eq!(
                     ray.segments[0].hit.map(|hit| hit.object),
                     Some(object),
@@ -197,7 +197,7 @@ fn what_rays_show_of_nested_instances_is_picked_there_through_every_camera() {
             let nearest = places.map(|found| found.distance(place)).fold(f64::INFINITY, f64::min);
             assert!(nearest < 0.05, "{camera}: {} is {nearest} from {place}", seen.point);
             if is_pinhole {
-                let ray = debug_ray(&scene, &settings, &pose, place, 0);
+                let ray = debug_ray(&scene, &settings, &pose, place, 0).unwrap();
                 let hit = ray.segments[0].hit.map(|hit| hit.object);
                 assert_eq!(hit, Some(seen.object), "{camera}: ray at {place}");
             }

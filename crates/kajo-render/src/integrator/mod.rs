@@ -153,6 +153,11 @@ pub(crate) trait Integrator: Sync {
         observer: &mut O,
     ) -> PixelSample;
 
+    /// As [`PixelIntegrator::trails_need_state`].
+    fn trails_need_state(&self) -> bool {
+        Integrator::samples_per_state(self).is_some()
+    }
+
     /// As [`PixelIntegrator::samples_per_state`].
     fn samples_per_state(&self) -> Option<u32> {
         None
@@ -176,6 +181,10 @@ impl<I: Integrator> PixelIntegrator for I {
     fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
         let mut trail = Trail::default();
         (self.observe(ctx, pixel, raster, &mut trail), trail)
+    }
+
+    fn trails_need_state(&self) -> bool {
+        Integrator::trails_need_state(self)
     }
 
     fn samples_per_state(&self) -> Option<u32> {

@@ -549,7 +549,8 @@ impl App {
 
     /// Ends what goes on, or else closes what is open.
     fn escape(&mut self, actions: &mut Vec<Action>) {
-        if self.studio.progress().is_some() || self.studio.is_writing() {
+        let prepares = self.studio.rays_progress().is_some();
+        if self.studio.progress().is_some() || self.studio.is_writing() || prepares {
             actions.push(Action::Stop);
         } else if self.studio.pictures.compare != Compare::Off {
             actions.push(Action::Compare(Compare::Off));

@@ -29,6 +29,9 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         );
         return;
     };
+    if rays.is_awaited {
+        preparation(ui, studio, actions);
+    }
     summary(ui, rays, actions);
     legend(ui, rays);
     let mut hovered = None;
@@ -75,6 +78,21 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     if rays.hovered != hovered {
         actions.push(Action::HoverSegment(hovered));
     }
+}
+
+/// How far the integrator is with what it prepares, which may take as long as at the beginning of a trace.
+fn preparation(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        ui.spinner();
+        let text = match studio.rays_progress() {
+            None | Some([_, 0]) => "The integrator prepares".to_owned(),
+            Some([done, tasks]) => format!("The integrator prepares: {done} of {tasks} tasks"),
+        };
+        ui.label(text);
+        if ui.small_button("Stop").clicked() {
+            actions.push(Action::ClearDebugRay);
+        }
+    });
 }
 
 /// What the colours of the rays stand for.

@@ -312,7 +312,7 @@ impl Studio {
         self.grip = None;
         self.typing = None;
         self.preview = None;
-        self.rays = None;
+        self.clear_rays();
         self.sight.clear();
         self.tracer.clear();
         self.shown = super::Shown::Preview;

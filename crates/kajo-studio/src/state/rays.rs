@@ -1,11 +1,16 @@
 //! Debug rays: all that becomes of one sample, as a list and as lines in the preview.
 
+use std::sync::Arc;
+
 use kajo::CameraPose;
-use kajo::probe::{DebugRay, LightSource, RayKind, Segment, debug_ray, pick};
+use kajo::probe::{
+    DebugRay, DebugRays, LightSource, ProbeSubject, Prober, RayKind, Segment, SetupError, pick,
+};
+use kajo::{RenderSettings, Resources, Scene, Silent};
 use kajo_edit::NodeId;
 use kajo_math::DVec2;
 
-use super::{Action, Shown, Studio};
+use super::{Action, RenderOptions, Shown, Studio, Version, Wake, priority};
 use crate::raster::Line;
 
 /// Length of a normal, and of a ray that hits nothing, in sizes of the scene.
@@ -34,6 +39,8 @@ pub struct Rays {
     pub sample: u32,
     /// How many samples the pixel has.
     pub samples: u32,
+    /// Whether the rays are those of a shot before, or none, while the integrator prepares for this one.
+    pub is_awaited: bool,
     shot: Shot,
 }
 
@@ -44,6 +51,44 @@ struct Shot {
     place: DVec2,
     /// Columns and rows of the picture.
     size: [u32; 2],
+}
+
+/// What shoots the rays of integrators that prepare something before.
+pub struct Probing {
+    prober: Prober,
+    threads: usize,
+    /// What it has prepared for last.
+    subject: Option<(SubjectKey, Arc<ProbeSubject>)>,
+}
+
+/// What decides what an integrator prepares.
+#[derive(Clone, Debug)]
+struct SubjectKey {
+    scene: Version,
+    options: RenderOptions,
+    camera: CameraPose,
+    size: [u32; 2],
+}
+
+impl SubjectKey {
+    fn is_same(&self, other: &SubjectKey) -> bool {
+        let of = |key: &SubjectKey| (key.scene, key.options.clone(), key.size);
+        of(self) == of(other) && self.camera.is_view_of(&other.camera)
+    }
+}
+
+impl Probing {
+    pub fn new(threads: usize, wake: &Wake) -> Probing {
+        let wake = Arc::clone(wake);
+        let prober = Prober::new(threads, move || wake(), priority::give_way);
+        Probing { prober, threads, subject: None }
+    }
+
+    /// Ends what is under way, and lets go of what was prepared.
+    fn forget(&mut self) {
+        self.prober.forget();
+        self.subject = None;
+    }
 }
 
 impl Rays {
@@ -76,11 +121,11 @@ impl Studio {
                 self.say_of_rays();
             }
             Action::DebugSample(sample) => {
-                if let Some(Rays { shot, .. }) = self.rays.take() {
-                    self.shoot(shot, sample);
+                if let Some(Rays { shot, .. }) = &self.rays {
+                    self.shoot(shot.clone(), sample);
                 }
             }
-            Action::ClearDebugRay => self.rays = None,
+            Action::ClearDebugRay => self.clear_rays(),
             Action::ChooseSegment(index) => {
                 if let Some(rays) = &mut self.rays {
                     rays.chosen = index;
@@ -121,7 +166,7 @@ impl Studio {
     }
 
     fn shoot(&mut self, shot: Shot, sample: u32) {
-        let Some(scene) = self.scene() else {
+        let Some(scene) = self.scene().cloned() else {
             self.say("Open a scene first.", false);
             return;
         };
@@ -129,23 +174,89 @@ impl Studio {
         settings.size = shot.size;
         let samples = settings.samples.1.max(1);
         let sample = sample.min(samples - 1);
-        let ray = debug_ray(scene, &settings, &shot.camera, shot.place, sample);
-        self.rays = Some(Rays { ray, chosen: None, hovered: None, sample, samples, shot });
+        let (ray, is_awaited) = match shot_at_once(&scene, &settings, &shot, sample) {
+            Some(Ok(ray)) => {
+                self.probing.forget();
+                (ray, false)
+            }
+            Some(Err(error)) => return self.say(&error.to_string(), true),
+            None => {
+                let (subject, is_new) = self.subject(&scene, settings, &shot);
+                self.probing.prober.shoot(&subject, shot.place, sample);
+                let before = self.rays.take();
+                let is_awaited = is_new || before.as_ref().is_some_and(|rays| rays.is_awaited);
+                (before.map(|rays| rays.ray).unwrap_or_default(), is_awaited)
+            }
+        };
+        self.rays = Some(Rays { ray, chosen: None, hovered: None, sample, samples, is_awaited, shot });
+    }
+
+    /// What a shot goes through, and whether nothing is prepared for that yet: that of the last one where nothing has changed.
+    fn subject(
+        &mut self,
+        scene: &Arc<Scene>,
+        settings: RenderSettings,
+        shot: &Shot,
+    ) -> (Arc<ProbeSubject>, bool) {
+        let threads = self.options.habits.threads;
+        if threads != self.probing.threads {
+            self.probing = Probing::new(threads, &self.wake);
+        }
+        let Shot { camera, size, .. } = shot.clone();
+        let options = self.options.of_light();
+        let key = SubjectKey { scene: self.version(), options, camera: camera.clone(), size };
+        if let Some((_, subject)) = self.probing.subject.as_ref().filter(|(of, _)| of.is_same(&key)) {
+            return (Arc::clone(subject), false);
+        }
+        let subject = Arc::new(ProbeSubject { scene: Arc::clone(scene), settings, camera });
+        self.probing.subject = Some((key, Arc::clone(&subject)));
+        (subject, true)
+    }
+
+    /// Takes in the rays that were waited for.
+    pub(super) fn take_rays(&mut self) {
+        match self.probing.prober.take() {
+            None => {}
+            Some(Ok(ray)) => {
+                if let Some(rays) = &mut self.rays {
+                    (rays.ray, rays.is_awaited) = (ray, false);
+                    self.say_of_rays();
+                }
+            }
+            Some(Err(error)) => {
+                self.clear_rays();
+                if error != SetupError::Cancelled {
+                    self.say(&error.to_string(), true);
+                }
+            }
+        }
+    }
+
+    /// How many tasks are done of how many that prepare the debug ray, while it is waited for.
+    pub fn rays_progress(&self) -> Option<[u32; 2]> {
+        self.probing.prober.progress()
+    }
+
+    /// Takes the debug ray away, and what was prepared for it.
+    pub(super) fn clear_rays(&mut self) {
+        self.rays = None;
+        self.probing.forget();
     }
 
     fn say_of_rays(&mut self) {
-        let text = match self.rays.as_ref().map(|rays| rays.ray.segments.len()) {
+        let text = match self.rays.as_ref().map(|rays| (rays.is_awaited, rays.ray.segments.len())) {
             None => return,
-            Some(1) => "A debug ray of 1 segment.".to_owned(),
-            Some(n) => format!("A debug ray of {n} segments."),
+            Some((true, _)) => "The integrator prepares; Esc stops.".to_owned(),
+            Some((_, 1)) => "A debug ray of 1 segment.".to_owned(),
+            Some((_, n)) => format!("A debug ray of {n} segments."),
         };
         self.say(&text, false);
     }
 
     /// Shoots the ray again where it was shot, after the scene has changed.
     pub(super) fn shoot_again(&mut self) {
-        if let Some(Rays { shot, sample, .. }) = self.rays.take() {
-            self.shoot(shot, sample);
+        if let Some(Rays { shot, sample, .. }) = &self.rays {
+            self.shoot(shot.clone(), *sample);
         }
     }
 
@@ -154,15 +265,14 @@ impl Studio {
     ///
     /// * `size`: columns and rows of the picture on show
     pub(super) fn shoot_along(&mut self, before: &CameraPose, size: [u32; 2]) {
-        let Some(Rays { ray, sample, shot, .. }) =
-            self.rays.take_if(|rays| rays.shot.camera.is_view_of(before))
-        else {
+        let Some(Rays { ray, sample, shot, .. }) = &self.rays else { return };
+        if !shot.camera.is_view_of(before) {
             return;
-        };
+        }
         let met = ray.segments.first().and_then(|segment| segment.hit).map(|hit| hit.p.as_dvec3());
         let [of, to] = [shot.size, size].map(|size| DVec2::new(size[0].into(), size[1].into()));
         let place = met.and_then(|p| self.camera.project(p, size)).unwrap_or(shot.place / of * to);
-        self.shoot(Shot { camera: self.camera.clone(), place, size }, sample);
+        self.shoot(Shot { camera: self.camera.clone(), place, size }, *sample);
     }
 
     /// The debug ray as lines: its segments, and the normals where they end.
@@ -171,9 +281,10 @@ impl Studio {
         let size = self.bounds().extent().length();
         let lit = rays.lit();
         let segments = rays.ray.segments.iter();
+        let opaque = if rays.is_awaited { 60 } else { 220 };
         let lines = segments.clone().enumerate().map(|(index, segment)| {
             let (width, opacity) = match (lit.is_empty(), lit.contains(&index)) {
-                (true, _) => (2.0, 220),
+                (true, _) => (2.0, opaque),
                 (false, true) => (4.0, 255),
                 (false, false) => (1.5, 110),
             };
@@ -190,6 +301,18 @@ impl Studio {
         });
         lines.chain(normals).collect()
     }
+}
+
+/// The rays of a shot; `None` where the integrator has something to prepare before.
+fn shot_at_once(
+    scene: &Scene,
+    settings: &RenderSettings,
+    shot: &Shot,
+    sample: u32,
+) -> Option<Result<DebugRay, SetupError>> {
+    let rays = DebugRays::new(scene, settings, &shot.camera);
+    let shoot = || rays.shooter().shoot(shot.place, sample, &Resources::default(), &Silent);
+    (!rays.need_state()).then(shoot)
 }
 
 /// The colours of these segments and of normals, each once, with what they stand for.

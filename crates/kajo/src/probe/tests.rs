@@ -1,7 +1,8 @@
 use std::path::{Path, PathBuf};
 
+use kajo_core::light::LightChoice;
 use kajo_core::sampler::SamplerKind;
-use kajo_core::settings::{IntegratorName, Settings, Shadows, Technique};
+use kajo_core::settings::{IntegratorName, PhotonMapUse, Settings, Shadows, Technique};
 use kajo_math::DVec3;
 use kajo_math::rng::Stream;
 
@@ -69,12 +70,27 @@ fn ways() -> Vec<Settings> {
         of("bidirectional"),
         Settings { spectral: Some(true), ..of("bidirectional") },
         of("light"),
-        of("irradiance"),
-        of("photon"),
-        of("sppm"),
         of("mlt"),
-        of("vcm"),
         Settings { merging: Some(false), ..of("vcm") },
+    ]
+    .into_iter()
+    .chain(prepared())
+    .collect()
+}
+
+/// The ways that prepare what samples share.
+fn prepared() -> Vec<Settings> {
+    let of = |name| {
+        let (integrator, photons) = (Some(IntegratorName(name)), Some(3000));
+        Settings { integrator, photons, ..Settings::default() }
+    };
+    vec![
+        Settings { light_choice: Some(LightChoice::Learned), photons: None, ..of("path") },
+        Settings { rays: Some(64), accuracy: Some(0.5), photons: None, ..of("irradiance") },
+        of("photon"),
+        Settings { photon_map: Some(PhotonMapUse::Caustics), ..of("photon") },
+        of("sppm"),
+        of("vcm"),
     ]
 }
 
@@ -86,13 +102,20 @@ fn contributions_add_up_to_the_sample() {
         let settings = settings(&scene, asked);
         let integrator =
             render::integrator(&scene, &scene.output.camera, &settings, LayerSet::of(&[Layer::Color]));
+        let mut states = States::new(&*integrator);
+        let rays = DebugRays::new(&scene, &settings, &camera);
+        let mut shooter = rays.shooter();
         let sampler = settings.sampler();
         let (mut lit, mut kinds) = (0, Vec::new());
         for i in 0..400 {
             let s = Stream::new(5, [i, 0], 0);
             let place = DVec2::new(120.0 * f64::from(s.uniform(0)), 80.0 * f64::from(s.uniform(1)));
-            let index = i % 4;
-            let debug = debug_ray(&scene, &settings, &camera, place, index);
+            let index = i / 100;
+            let debug = shooter.shoot(place, index, &Resources::default(), &Silent).unwrap();
+            let setup = render::schedule(&settings, &Resources::default());
+            let with_state = states.at(index, &setup.setup(&Silent), &mut RayCounters::default()).unwrap();
+            let integrator =
+                with_state.filter(|_| settings.integrator.name.0 != "mlt").unwrap_or(&*integrator);
             let mut ctx = SampleContext::new(&sampler, settings.seed);
             let pixel = [place.x as u32, place.y as u32];
             ctx.begin(pixel, index);
@@ -119,6 +142,10 @@ fn contributions_add_up_to_the_sample() {
             "classic" => {
                 vec![RayKind::Camera, RayKind::Shadow, RayKind::Reflected, RayKind::Transmitted]
             }
+            // Matt surfaces take from maps and caches.
+            "photon" | "sppm" | "irradiance" => {
+                vec![RayKind::Camera, RayKind::Reflected, RayKind::Transmitted]
+            }
             _ => vec![RayKind::Camera, RayKind::Reflected, RayKind::Transmitted, RayKind::Scattered],
         };
         let from_lights = match settings.integrator.name.0 {
@@ -137,9 +164,11 @@ fn segments_hang_together() {
     let camera = CameraPose::of(&scene);
     for asked in ways() {
         let settings = settings(&scene, asked);
+        let rays = DebugRays::new(&scene, &settings, &camera);
+        let mut shooter = rays.shooter();
         for i in 0..60 {
             let place = DVec2::new(2.0 * f64::from(i) + 0.5, 20.0 + f64::from(i % 50));
-            let debug = debug_ray(&scene, &settings, &camera, place, 0);
+            let debug = shooter.shoot(place, 0, &Resources::default(), &Silent).unwrap();
             let cast = debug.segments.iter().filter(|segment| segment.kind == RayKind::Camera).count();
             assert!(debug.rays.camera == 1 && debug.left_out == 0 && cast == 1);
             for (index, segment) in debug.segments.iter().enumerate() {
@@ -182,12 +211,12 @@ fn a_debug_ray_says_what_is_in_the_way_of_light() {
     );
     let settings = settings(&scene, Settings::default());
     let camera = CameraPose::of(&scene);
-    let debug = debug_ray(&scene, &settings, &camera, DVec2::new(60.0, 38.0), 0);
+    let debug = debug_ray(&scene, &settings, &camera, DVec2::new(60.0, 38.0), 0).unwrap();
     let [first, shadow] = debug.segments[..] else { panic!("{debug:#?}") };
     assert_eq!((first.hit.map(|hit| hit.object), first.contribution), (Some(1), [0.0; 3]));
     assert_eq!((shadow.kind, shadow.parent, shadow.depth), (RayKind::Shadow, Some(0), 1));
     assert_eq!(shadow.hit.map(|hit| hit.object), Some(2));
-    let sky = debug_ray(&scene, &settings, &camera, DVec2::new(1.0, 1.0), 0);
+    let sky = debug_ray(&scene, &settings, &camera, DVec2::new(1.0, 1.0), 0).unwrap();
     assert_eq!((sky.segments.len(), sky.segments[0].hit), (1, None));
     assert!(sky.segments[0].distance.is_infinite());
     assert_eq!(sky.segments[0].contribution, [0.1, 0.2, 0.3]);
@@ -301,11 +330,13 @@ fn shadow_rays_know_their_light() {
     let camera = CameraPose::perspective(DVec3::new(0.0, 1.0, 6.0), DVec3::ZERO, DVec3::Y, 0.5);
     for asked in ways() {
         let settings = settings(&scene, asked);
+        let rays = DebugRays::new(&scene, &settings, &camera);
+        let mut shooter = rays.shooter();
         let mut found = Vec::new();
         for i in 0..64 {
             let s = Stream::new(6, [i, 0], 0);
             let place = DVec2::new(120.0 * f64::from(s.uniform(0)), 80.0 * f64::from(s.uniform(1)));
-            let ray = debug_ray(&scene, &settings, &camera, place, i % 4);
+            let ray = shooter.shoot(place, i / 16, &Resources::default(), &Silent).unwrap();
             for segment in ray.segments {
                 let is_to_light =
                     segment.kind == RayKind::Shadow && settings.integrator.name.0 != "occlusion";
@@ -328,4 +359,136 @@ fn shadow_rays_know_their_light() {
             }
         }
     }
+}
+
+/// The debug rays through the middles of all pixels are the picture, of integrators that prepare something too.
+#[test]
+fn debug_rays_are_the_samples_of_the_picture() {
+    let scene = rich();
+    let camera = CameraPose::of(&scene);
+    // What lights send to other pixels is in no debug ray.
+    for asked in prepared().into_iter().filter(|asked| asked.integrator != Some(IntegratorName("vcm"))) {
+        let asked = Settings { size: Some([16, 12]), samples: Some((SamplerKind::Regular, 1)), ..asked };
+        let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
+        let outputs = [(View::Color, Format::Exr)];
+        let picture = render(&RenderRequest::new(&scene, &settings, &outputs), &Silent).unwrap();
+        let bytes = picture.encode(&[View::Color], Format::Exr, crate::BitDepth::Eight).unwrap();
+        let image = kajo_image::decode(&bytes, Some(Format::Exr), &kajo_image::DecodeLimits::default())
+            .unwrap()
+            .image;
+        let rays = DebugRays::new(&scene, &settings, &camera);
+        let mut shooter = rays.shooter();
+        assert!(rays.need_state(), "{settings:?}");
+        for (i, pixel) in image.pixels().enumerate() {
+            let place = DVec2::new((i % 16) as f64 + 0.5, (i / 16) as f64 + 0.5);
+            let ray = shooter.shoot(place, 0, &Resources::default(), &Silent).unwrap();
+            for (shown, found) in pixel.iter().zip(ray.radiance) {
+                assert!(
+                    (shown - found).abs() <= 1e-5 + 1e-3 * found.abs(),
+                    "{place} {pixel:?} {ray:?} {settings:?}"
+                );
+            }
+        }
+    }
+}
+
+/// Samples of a regular pattern are taken in another order than they are counted in; each is shown with the state that it is taken with.
+#[test]
+fn a_debug_ray_has_the_state_of_its_sample() {
+    let scene = rich();
+    let camera = CameraPose::of(&scene);
+    let asked = Settings { samples: Some((SamplerKind::Regular, 9)), ..prepared()[4].clone() };
+    let asked = Settings { size: Some([8, 6]), ..asked };
+    let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
+    let picture =
+        render(&RenderRequest::new(&scene, &settings, &[(View::Color, Format::Exr)]), &Silent).unwrap();
+    let bytes = picture.encode(&[View::Color], Format::Exr, crate::BitDepth::Eight).unwrap();
+    let image =
+        kajo_image::decode(&bytes, Some(Format::Exr), &kajo_image::DecodeLimits::default()).unwrap().image;
+    let rays = DebugRays::new(&scene, &settings, &camera);
+    let mut shooter = rays.shooter();
+    let mut sums = vec![[0.0f32; 3]; 48];
+    for index in 0..9 {
+        let offset = DVec2::new(f64::from(index % 3) + 0.5, f64::from(index / 3) + 0.5) / 3.0;
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let place = DVec2::new((i % 8) as f64, (i / 8) as f64) + offset;
+            let ray = shooter.shoot(place, index, &Resources::default(), &Silent).unwrap();
+            *sum = [0, 1, 2].map(|c| sum[c] + ray.radiance[c] / 9.0);
+        }
+    }
+    for (pixel, sum) in image.pixels().zip(sums) {
+        assert!(
+            pixel.iter().zip(sum).all(|(a, b)| (a - b).abs() <= 1e-5 + 2e-3 * b.abs()),
+            "{pixel:?} {sum:?}"
+        );
+    }
+}
+
+/// A prober, and what it says when it wakes.
+fn prober() -> (Prober, std::sync::mpsc::Receiver<()>) {
+    let (woken, wakes) = std::sync::mpsc::channel();
+    let woken = std::sync::Mutex::new(woken);
+    let wake = move || {
+        let _ = woken.lock().unwrap().send(());
+    };
+    (Prober::new(2, wake, || ()), wakes)
+}
+
+fn subject(scene: &std::sync::Arc<Scene>, asked: Settings) -> std::sync::Arc<ProbeSubject> {
+    let settings = settings(scene, asked);
+    let (scene, camera) = (std::sync::Arc::clone(scene), CameraPose::of(scene));
+    std::sync::Arc::new(ProbeSubject { scene, settings, camera })
+}
+
+/// Waits for a ray; returns it and how often the prober woke.
+fn wait(prober: &Prober, wakes: &std::sync::mpsc::Receiver<()>) -> (Result<DebugRay, SetupError>, u32) {
+    for n in 1.. {
+        wakes.recv().unwrap();
+        if let Some(result) = prober.take() {
+            return (result, n);
+        }
+    }
+    unreachable!()
+}
+
+#[test]
+fn a_prober_prepares_once_for_all_rays_of_a_subject() {
+    let scene = std::sync::Arc::new(rich());
+    let (prober, wakes) = prober();
+    assert!(prober.progress().is_none() && prober.take().is_none());
+    let of = subject(&scene, prepared()[2].clone());
+    let rays = [DVec2::new(60.0, 50.0), DVec2::new(20.0, 60.0)].map(|place| {
+        prober.shoot(&of, place, 0);
+        assert!(prober.progress().is_some());
+        let (ray, n) = wait(&prober, &wakes);
+        assert!(prober.progress().is_none());
+        let alone = debug_ray(&scene, &of.settings, &of.camera, place, 0).unwrap();
+        assert_eq!(ray.unwrap(), alone);
+        n
+    });
+    assert!(rays[0] > 1 && rays[1] == 1, "the second one has nothing to wait for: {rays:?}");
+}
+
+#[test]
+fn a_prober_drops_what_nobody_wants_any_more() {
+    let scene = std::sync::Arc::new(rich());
+    let (prober, wakes) = prober();
+    let slow = subject(&scene, Settings { photons: Some(1 << 24), ..prepared()[2].clone() });
+    let quick = subject(&scene, prepared()[2].clone());
+    let place = DVec2::new(60.0, 50.0);
+    for _ in 0..2 {
+        prober.shoot(&slow, place, 0);
+        wakes.recv().unwrap();
+        assert!(prober.progress().is_some());
+        prober.shoot(&quick, place, 0);
+        assert!(wait(&prober, &wakes).0.is_ok());
+    }
+    prober.shoot(&slow, place, 0);
+    prober.forget();
+    assert!(prober.progress().is_none() && prober.take().is_none());
+    prober.shoot(&quick, place, 0);
+    assert!(wait(&prober, &wakes).0.is_ok());
+    // Nor does anybody wait for it at the end.
+    prober.shoot(&slow, place, 0);
+    drop(prober);
 }

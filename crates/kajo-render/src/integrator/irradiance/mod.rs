@@ -111,7 +111,7 @@ impl<'a> IrradianceCaching<'a> {
 }
 
 impl Integrator for IrradianceCaching<'_> {
-    /// A path, as path tracing follows it: this is what debug rays show.
+    /// A path without records, as path tracing follows it.
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,

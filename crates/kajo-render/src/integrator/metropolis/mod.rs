@@ -130,7 +130,7 @@ impl<'a> Metropolis<'a> {
 }
 
 impl Integrator for Metropolis<'_> {
-    /// A sample of the integrator that is moved: this is what debug rays show.
+    /// An independent sample of the integrator whose samples chains mutate, not a state of a chain.
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
@@ -143,6 +143,11 @@ impl Integrator for Metropolis<'_> {
             Moved::Bidirectional(both) => both.observe(ctx, pixel, raster, observer),
             Moved::ThroughMedia(both) => both.observe(ctx, pixel, raster, observer),
         }
+    }
+
+    /// A chain adds light all over the picture, so debug rays show an independent sample of the pixel.
+    fn trails_need_state(&self) -> bool {
+        false
     }
 
     fn samples_per_state(&self) -> Option<u32> {

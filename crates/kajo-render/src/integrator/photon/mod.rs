@@ -204,7 +204,7 @@ impl<'a> PhotonMapping<'a> {
 }
 
 impl Integrator for PhotonMapping<'_> {
-    /// A path, as path tracing follows it: this is what debug rays show.
+    /// A path without photons, as path tracing follows it.
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,

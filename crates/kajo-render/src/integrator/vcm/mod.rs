@@ -127,7 +127,7 @@ fn automatic_radius(view: &CameraView<'_>, paths: u32, world: &BoundingSphere) -
 }
 
 impl<'v, V: ReusedVolume<'v>> Integrator for VertexMerging<'v, V> {
-    /// A sample without merging: what debug rays show, and all there is where merging is off.
+    /// A sample without merging, all there is where merging is off.
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
