@@ -41,7 +41,7 @@ pub use elements::{ElementContent, NestedElement};
 /// Most levels of assemblies within assemblies: a ray keeps a stack of a few kilobytes for each.
 pub(crate) const MOST_LEVELS: u32 = 32;
 
-/// What stands at a place.
+/// What an instance refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartContent {
     /// A shape.
@@ -103,7 +103,7 @@ pub(crate) struct Nested {
     pub count: u32,
 }
 
-/// An object in an assembly, found on a way down.
+/// An object reached by descending the hierarchy of assemblies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leaf {
     /// Its number among all nested ones.

@@ -162,9 +162,9 @@ pub enum Technique {
     /// Both of the following, weighed against each other.
     #[default]
     Combined,
-    /// Lights are met by chance only.
+    /// Lights are found by sampling the BSDF only.
     Scattering,
-    /// Lights are drawn; those met by chance count only where they cannot be drawn.
+    /// Lights are sampled; those that paths hit count only where they cannot be.
     Lights,
 }
 

@@ -46,7 +46,7 @@ impl Shading {
     #[inline]
     pub fn normal(&self, wo: Vec3) -> Vec3 {
         match self.leans {
-            true => held_up(self.n, self.ng, wo),
+            true => limited_tilt(self.n, self.ng, wo),
             false if self.agrees_on(wo) => self.n,
             false => self.ng,
         }
@@ -154,7 +154,7 @@ fn raised_by_uv(n: Vec3, tangents: &Tangents, slope: Vec2) -> Vec3 {
 ///
 /// a quadratic in `nz²`, as in Cycles.
 #[inline(never)]
-fn held_up(n: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
+fn limited_tilt(n: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
     /// Mirror directions rise so far at least, or nearly as far as the viewer does.
     const RISE: f32 = 0.01;
     let side = if wo.dot(ng) < 0.0 { -1.0 } else { 1.0 };

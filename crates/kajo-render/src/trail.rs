@@ -124,7 +124,7 @@ pub(crate) trait PathObserver: Default {
     /// A ray of this kind comes next.
     fn next(&mut self, _kind: RayKind) {}
 
-    /// The ray announced last has ended there; it is at hand from now on.
+    /// Records the ray announced last with its end; it becomes the current ray, the parent of those that follow.
     fn ended(
         &mut self,
         _scene: &Scene,
@@ -134,13 +134,13 @@ pub(crate) trait PathObserver: Default {
     ) {
     }
 
-    /// Light has gone along a straight piece of the ray announced last, which bends and goes on.
-    fn bent(&mut self, _scene: &Scene, _piece: &Ray, _about: impl FnOnce() -> About) {}
+    /// Records one chord of a curved ray, which goes on behind it.
+    fn bent(&mut self, _scene: &Scene, _chord: &Ray, _about: impl FnOnce() -> About) {}
 
-    /// The ray at hand finds light.
+    /// The current ray finds light.
     fn found(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
 
-    /// A ray was cast from the end of the ray at hand to a known point, and found light.
+    /// Records a ray from the end of the current one to a known point, with the light that it adds.
     fn joined(
         &mut self,
         _kind: RayKind,
@@ -154,19 +154,19 @@ pub(crate) trait PathObserver: Default {
     /// A light was drawn for a receiver that might scatter what it sends.
     fn light_drawn(&mut self, _to: &Receiver, _light: LightIndex, _arrives: impl FnOnce() -> bool) {}
 
-    /// All light found is not what is shown, but this.
+    /// The sample is this in place of the light found.
     fn shown_instead(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
 
     /// All weights and light told from here on are to be multiplied by this.
     fn weaken(&mut self, _factor: impl FnOnce() -> [f32; 3]) {}
 
-    /// The ray at hand.
+    /// The current ray.
     fn mark(&self) -> Self::Mark;
 
-    /// Makes a ray of before the one at hand, with its factor.
+    /// Makes an earlier ray the current one again, with its factor: a branch is taken up.
     fn back_to(&mut self, mark: Self::Mark);
 
-    /// Notes the ray at hand.
+    /// Notes the current ray.
     fn note(&mut self) {}
 
     /// Makes the noted ray of this number, from 0, the one at hand.

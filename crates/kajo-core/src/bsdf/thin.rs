@@ -53,7 +53,7 @@ impl ThinDielectric {
     #[inline]
     pub fn cross(&self, cos: f32, u: f32) -> Result<Spectrum, Conductor> {
         let (r, t) = self.shares(cos);
-        let p = chance_of_mirror(r, t);
+        let p = mirror_probability(r, t);
         if u >= p {
             return Ok(t * (1.0 / (1.0 - p)));
         }
@@ -116,7 +116,7 @@ impl ThinDielectric {
         let (o, i) = (above(wo), above(wi));
         let m = (o + i).normalize_or_zero();
         let (r, t) = self.shares(o.dot(m).min(1.0));
-        let mirrored = chance_of_mirror(r, t);
+        let mirrored = mirror_probability(r, t);
         let share = if same_side(wo, wi) { mirrored } else { 1.0 - mirrored };
         0.25 * share * self.microfacets.held().visible_over_cos(o, m)
     }
@@ -126,7 +126,7 @@ impl ThinDielectric {
             return self.sample_facet(wo, u, uc);
         }
         let (r, t) = self.shares(wo.z.abs());
-        let p = chance_of_mirror(r, t);
+        let p = mirror_probability(r, t);
         if uc < p {
             let wi = Vec3::new(-wo.x, -wo.y, wo.z);
             return BsdfSample::new(wi, r * (1.0 / p), p, ScatterKind::MIRROR);
@@ -144,7 +144,7 @@ impl ThinDielectric {
             return None;
         }
         let (r, t) = self.shares(o.dot(m).min(1.0));
-        let mirrored = chance_of_mirror(r, t);
+        let mirrored = mirror_probability(r, t);
         let passes = uc >= mirrored;
         let share = if passes { 1.0 - mirrored } else { mirrored };
         let weight =
@@ -170,6 +170,6 @@ fn above(w: Vec3) -> Vec3 {
 
 /// The probability of the mirror where one of the two is followed.
 #[inline]
-fn chance_of_mirror(r: Spectrum, t: Spectrum) -> f32 {
+fn mirror_probability(r: Spectrum, t: Spectrum) -> f32 {
     r.max_lane() / (r.max_lane() + t.max_lane())
 }

@@ -34,7 +34,7 @@ impl SceneBuilder {
         Ok(id)
     }
 
-    /// A place for objects.
+    /// Adds a transform for objects to refer to.
     ///
     /// * `world_from_object`: invertible
     ///

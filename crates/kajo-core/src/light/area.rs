@@ -20,7 +20,7 @@ use super::{
 };
 use crate::ids::{ObjectId, VariedEmissionId};
 use crate::motion::MovingTransform;
-use crate::shape::{Patch, PatchWay, PlacedPatch};
+use crate::shape::{Patch, PatchDirection, PlacedPatch};
 
 /// Which sides of a surface give light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Sides {
     }
 }
 
-/// What of a patch there is.
+/// Which part of a patch belongs to the surface, of which set operations may cut some away.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PatchExtent {
     /// All of it.
@@ -109,7 +109,7 @@ impl AreaLight {
         }
     }
 
-    /// A point of the light drawn for nobody, its density per area; `None` for surfaces without closed form, see [`Patch::Traced`].
+    /// Samples a point by area or emission, independently of any receiver; its density per area. `None` for surfaces without closed form, see [`Patch::Traced`].
     ///
     /// Where what a receiver sees of the light is not what shines at it, as through glass, all of the light has to be drawn.
     ///
@@ -211,7 +211,7 @@ impl Emitter for AreaLight {
         surfaces: &S,
     ) -> Option<LightLiSample> {
         let patch = self.placed(to.time);
-        let PatchWay { at, wi } = match &self.density {
+        let PatchDirection { at, wi } = match &self.density {
             None => patch.sample(to.p, u)?,
             Some(density) => density.sample(&patch, to.p, u)?,
         };

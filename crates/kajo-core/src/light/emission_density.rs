@@ -14,7 +14,7 @@
 use kajo_math::bilinear::Bilinear2D;
 use kajo_math::{Vec2, Vec3};
 
-use crate::shape::{Patch, PatchSample, PatchWay, PlacedPatch, per_solid_angle};
+use crate::shape::{Patch, PatchDirection, PatchSample, PlacedPatch, per_solid_angle};
 
 /// How well the luminance between the nodes of a table is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,7 +104,7 @@ impl EmissionDensity {
     }
 
     /// A point drawn for the receiver `from`, its density per solid angle there.
-    pub fn sample(&self, patch: &PlacedPatch<'_>, from: Vec3, u: Vec2) -> Option<PatchWay> {
+    pub fn sample(&self, patch: &PlacedPatch<'_>, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         let share = self.share_for(patch, from);
         let way = if u.x < share {
             self.sample_area(patch, Vec2::new(u.x / share, u.y))?.seen_from(from)?
@@ -112,7 +112,7 @@ impl EmissionDensity {
             patch.sample(from, Vec2::new((u.x - share) / (1.0 - share), u.y))?
         };
         let pdf = self.pdf(patch, from, way.at.p, way.at.n);
-        (pdf.is_finite() && pdf > 0.0).then_some(PatchWay { at: PatchSample { pdf, ..way.at }, ..way })
+        (pdf.is_finite() && pdf > 0.0).then_some(PatchDirection { at: PatchSample { pdf, ..way.at }, ..way })
     }
 
     /// Density per solid angle at `from` with which [`EmissionDensity::sample`] draws the point `p`.

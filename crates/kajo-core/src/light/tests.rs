@@ -7,7 +7,7 @@ use kajo_math::{DAffine3, DQuat, DVec3, Ray, Vec2, Vec3, rng::Stream};
 use super::*;
 use crate::daylight::SkySettings;
 use crate::ids::ObjectId;
-use crate::shape::{Canonical, DiskPatch, Patch, PatchWay, PlacedPatch, Surface, Torus};
+use crate::shape::{Canonical, DiskPatch, Patch, PatchDirection, PlacedPatch, Surface, Torus};
 
 mod choice;
 pub(crate) mod densities;
@@ -59,7 +59,7 @@ fn draw(i: u32) -> Vec2 {
 fn irradiance(patch: &Patch, from: Vec3, n: Vec3, samples: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..samples {
-        let Some(PatchWay { at, wi }) = patch.sample(from, draw(i)) else { continue };
+        let Some(PatchDirection { at, wi }) = patch.sample(from, draw(i)) else { continue };
         assert!(wi.distance((at.p - from).normalize()) < 1e-6, "{patch:?}: {wi} to {}", at.p);
         let again = patch.pdf(from, at.p, at.n);
         assert!((again / at.pdf - 1.0).abs() < 1e-3, "{patch:?}: {again} for {}", at.pdf);

@@ -71,7 +71,7 @@ impl Mixture {
         Mixture([a * p, b * q])
     }
 
-    /// A step to the first of two ways or to the second; whether it is the first, and what is left of `u`.
+    /// Chooses one of two children by the mixture; returns whether it was the first, the mixture after that, and `u` mapped back to [0, 1).
     ///
     /// * `shares`: of the first, by either rule
     /// * `u`: uniform in [0, 1)
@@ -94,10 +94,10 @@ impl Mixture {
 /// Nodes of the tree that are counted: the root has the number 1, the children of `k` have `2 k` and `2 k + 1`.
 const NODES: usize = 256;
 
-/// Draws in a region from which on it is divided.
+/// Number of training draws from which on a region is divided.
 const DRAWS: usize = 512;
 
-/// What is known of a region counts as so many draws for its halves.
+/// Weight of the estimate of the region above as a prior, in draws.
 const PRIOR: f32 = 4.0;
 
 /// Levels of regions.

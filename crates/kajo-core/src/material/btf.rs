@@ -55,7 +55,7 @@ impl BtfMaterial {
     /// The texel that is shown at a point by the number `at.u`.
     fn texel(&self, at: &ShadingPoint<'_>) -> Texel {
         let BtfSettings { repeat, offset, is_filtered, .. } = self.settings;
-        let mut chance = Chance(at.u);
+        let mut chance = RemainingUniform(at.u);
         let level = if is_filtered { self.level(&at.context, &mut chance) } else { 0 };
         let s = repeat * at.context.uv.first + offset;
         let [width, height] = self.btf.level_size(level);
@@ -70,7 +70,7 @@ impl BtfMaterial {
     }
 
     /// The level whose texels are as large as what a sample covers.
-    fn level(&self, at: &TextureContext, chance: &mut Chance) -> usize {
+    fn level(&self, at: &TextureContext, chance: &mut RemainingUniform) -> usize {
         let [width, height] = self.btf.size();
         let texels = self.settings.repeat * Vec2::new(width as f32, height as f32);
         let squared = at.footprint.uv.map(|axis| (axis * texels).length_squared());
@@ -87,12 +87,12 @@ impl BtfMaterial {
 }
 
 /// A uniform number that decides one thing after the other.
-struct Chance(f32);
+struct RemainingUniform(f32);
 
-impl Chance {
+impl RemainingUniform {
     /// Whether something of this probability is so.
     fn is_below(&mut self, probability: f32) -> bool {
-        let Chance(u) = *self;
+        let RemainingUniform(u) = *self;
         let is_so = u < probability;
         // What is left of the number is uniform again.
         let rest = if is_so { u / probability } else { (u - probability) / (1.0 - probability) };

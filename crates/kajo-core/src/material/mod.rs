@@ -39,12 +39,12 @@ use crate::family::family;
 use crate::medium::MediumId;
 use crate::texture::{AnyTexture, FloatTexture, TextureContext, Textures};
 
-/// Where a material is asked how it scatters.
+/// Inputs of the evaluation of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadingPoint<'a> {
-    /// The place.
+    /// Where textures are looked up.
     pub context: TextureContext,
-    /// What the lanes of the answer stand for.
+    /// Wavelengths of the lanes of spectra.
     pub wavelengths: &'a Wavelengths,
     /// Index of refraction outside, on the side of the normal, at the first wavelength.
     pub eta_outside: f32,
@@ -69,7 +69,7 @@ pub struct Interior {
     pub absorption: Spectrum,
     /// Where bodies overlap the one of the highest priority is there [Schmidt and Budge 2002].
     pub priority: i32,
-    /// What absorbs and scatters light inside, by place and at random.
+    /// Participating medium inside of the body.
     pub medium: Option<MediumId>,
     /// Whether all this adds to what else of the same priority is there, and does not take its place.
     pub adds: bool,

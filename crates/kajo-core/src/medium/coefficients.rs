@@ -205,7 +205,7 @@ impl Coefficients {
         self.emits() && sigma_t.iter().any(|&sigma| sigma <= 0.0)
     }
 
-    /// Where to it scatters light.
+    /// Its phase function.
     #[inline]
     pub fn phase(&self) -> &Phase {
         &self.phase

@@ -1,14 +1,14 @@
 //! Participating media: what fills bodies and the air, absorbs light, scatters it and gives light of its own.
 //!
-//! Along a way of length `ds` the share `sigma_a ds` of the light is absorbed and the share `sigma_s ds` scattered, so
+//! Along a segment of length `ds` the share `sigma_a ds` of the light is absorbed and the share `sigma_s ds` scattered, so
 //!
 //! ```text
 //! dL/ds = -sigma_t L + sigma_s (integral of p(wo, wi) Li(wi) dwi),    sigma_t = sigma_a + sigma_s
 //! ```
 //!
-//! [Chandrasekhar 1950]. A medium has coefficients by wavelength ([`Coefficients`]), and a density by place that both of
-//! them are multiplied by. It also says how large the density is at most on each stretch of a ray ([`Majorant`]), which is
-//! what collisions are drawn by. How they are drawn is part of the transport core.
+//! [Chandrasekhar 1950]. A medium has coefficients by wavelength ([`Coefficients`]), and a density by position that both of
+//! them are multiplied by. It also bounds the density on each interval of a ray ([`Majorant`]), which is
+//! what collisions are sampled by. How they are drawn is part of the transport core.
 //!
 //! [`Fog`] is another thing: the haze of the classic formula, which scatters nothing.
 

@@ -24,7 +24,7 @@ impl RayEvent {
     }
 }
 
-/// A ray's meeting with a surface, in world space.
+/// Intersection of a ray with a surface, in world space.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Interaction {
     /// Position and normals.

@@ -1,4 +1,4 @@
-//! What stands where: shapes, their places, and the trees over them.
+//! Instances of shapes with their transforms, and the trees over them.
 
 use std::ops::Range;
 

@@ -28,7 +28,7 @@ use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Vec2, Vec3, fmath, robust::gamma};
 
 use super::triangle_error;
 
-/// Below this solid angle area and direction differ by nothing that shows, and the area has more digits.
+/// Below this solid angle a density per area and one per solid angle are proportional to single precision, and the area is computed more exactly.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-5;
 
 /// Where the squared extent of a flat patch is below this share of the squared distance, its solid angle and its area
@@ -128,7 +128,7 @@ pub struct PatchSample {
 
 /// A position drawn for a receiver, and the way there.
 #[derive(Clone, Copy, Debug)]
-pub struct PatchWay {
+pub struct PatchDirection {
     /// The position, its density per solid angle at the receiver.
     pub at: PatchSample,
     /// Unit direction from the receiver to it.
@@ -248,12 +248,12 @@ impl Patch {
 
     /// A position drawn for the receiver `from`, its density per solid angle there.
     #[inline]
-    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
+    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         let o = from.as_dvec3();
         if let Some(view) = self.view(o) {
             let p = view.sample(o, u, self)?;
             let at = self.sample_at(p, (1.0 / view.solid_angle()) as f32);
-            return Some(PatchWay { at, wi: (at.p - from).normalize_or_zero() });
+            return Some(PatchDirection { at, wi: (at.p - from).normalize_or_zero() });
         }
         match self {
             Patch::Traced(traced) => traced.placed(None).sample(from, u),
@@ -414,9 +414,9 @@ fn mapped(m: &DAffine3, corner: DVec3, edges: [DVec3; 2], flips: bool) -> Patch 
 impl PatchSample {
     /// A position drawn by area, as the receiver `from` has it; `None` where it is seen edge on.
     #[inline]
-    pub(crate) fn seen_from(self, from: Vec3) -> Option<PatchWay> {
+    pub(crate) fn seen_from(self, from: Vec3) -> Option<PatchDirection> {
         let (pdf, wi) = seen_from(self.pdf, from, self.p, self.n)?;
-        Some(PatchWay { at: PatchSample { pdf, ..self }, wi })
+        Some(PatchDirection { at: PatchSample { pdf, ..self }, wi })
     }
 }
 

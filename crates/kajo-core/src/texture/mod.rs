@@ -1,4 +1,4 @@
-//! Textures: numbers and colours of surfaces that differ from place to place.
+//! Textures: numbers and colours that vary over surfaces and in space.
 //!
 //! A parameter of a material is a [`FloatTexture`] or a [`ColorTexture`]: the same everywhere, or the name of a node in [`Textures`], which
 //! is evaluated at a [`TextureContext`]. Nodes are pictures laid on surfaces, and patterns, which fill space; a node may be

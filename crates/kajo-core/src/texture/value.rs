@@ -62,7 +62,7 @@ impl FloatTexture {
         }
     }
 
-    /// Whether it differs between places.
+    /// Whether it is not constant.
     pub fn varies(self) -> bool {
         matches!(self, FloatTexture::Node(_))
     }
@@ -146,7 +146,7 @@ impl ColorTexture {
         }
     }
 
-    /// Whether it differs between places.
+    /// Whether it is not constant.
     pub fn varies(&self) -> bool {
         matches!(self, ColorTexture::Node(_))
     }

@@ -119,7 +119,8 @@ fn sky(scene: &Scene, power_sampler: &PowerLightSampler) -> f32 {
     sky / all
 }
 
-/// The share of light that comes to a matt surface by way of mirrors and glass alone.
+/// The share of paths from lights, drawn in proportion to power, that come to a surface which is not specular by specular events alone, at least one of
+/// them: `n_caustic / N`, the mean of an indicator over `N` paths, whose standard error is below `1 / (2 sqrt(N))`.
 fn caustics(scene: &Scene) -> f32 {
     const MOST_MIRRORS: u32 = 8;
     let emission = Emission::new(scene, LIGHT_PATHS, MOST_MIRRORS, false);
@@ -129,7 +130,8 @@ fn caustics(scene: &Scene) -> f32 {
     found.map_or(0.0, |batch| batch.photons.len() as f32 / LIGHT_PATHS as f32)
 }
 
-/// How much of the light of what is seen comes from lights themselves: the share that half of the picture is above.
+/// How much of the light of what is seen comes from lights themselves: the median over pixels of `L_direct / L`, where both are means of few samples of path
+/// tracing, without and with indirect light. Pixels that show no light are left out.
 fn lit(scene: &Scene) -> f32 {
     let (size, samples) = PICTURE;
     let camera = &scene.output.camera;

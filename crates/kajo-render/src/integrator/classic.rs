@@ -112,7 +112,7 @@ impl<'a> Classic<'a> {
     }
 
     /// Writes where a ray ends that leaves the surface at `at`; `false` where it hits nothing.
-    fn follow(&self, ray: &Ray, at: &mut Interaction) -> bool {
+    fn trace(&self, ray: &Ray, at: &mut Interaction) -> bool {
         if ray.d.dot(at.point.ng) < 0.0 {
             self.scene.trace_inwards(ray, at)
         } else {
@@ -178,7 +178,7 @@ impl<'a> Classic<'a> {
                 }
             };
             (walk.ray, walk.path, walk.beta) = (branch.ray, branch.path, walk.beta * branch.factor);
-            hits = self.follow(&walk.ray, at);
+            hits = self.trace(&walk.ray, at);
         }
     }
 

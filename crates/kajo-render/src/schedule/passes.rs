@@ -234,7 +234,7 @@ impl Position {
         (next > self.done).then_some(self.done..next)
     }
 
-    /// One past the last sample of any pixel, as far as one knows.
+    /// An upper bound on the number of samples of any pixel, from what is known so far.
     pub(super) fn end(&self, settings: &RenderSettings, goal: &Goal) -> u32 {
         let samples = settings.sampler.samples();
         match self.most_samples() {

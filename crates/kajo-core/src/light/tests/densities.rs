@@ -217,7 +217,7 @@ fn silhouettes_cover_what_is_seen() {
             const N: u32 = 100_000;
             let (mut sum, mut squares) = (0.0, 0.0);
             for i in 0..N {
-                let Some(PatchWay { at, wi }) = patch.sample(from, draw(i)) else { continue };
+                let Some(PatchDirection { at, wi }) = patch.sample(from, draw(i)) else { continue };
                 let again = patch.pdf(from, at.p, at.n);
                 assert!((again / at.pdf - 1.0).abs() < 2e-3, "{simple:?}: {} {again}", at.pdf);
                 if at.n.dot(wi) > 0.0 {

@@ -94,7 +94,7 @@ fn every_point_has_its_own_density() {
         const N: u32 = 60_000;
         let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
         for i in 0..N {
-            let Some(PatchWay { at, wi }) = patch.sample(from, draw(i)) else { continue };
+            let Some(PatchDirection { at, wi }) = patch.sample(from, draw(i)) else { continue };
             let ball = usize::from(at.p.x < 0.0);
             let k = 2 * ball + usize::from(at.n.dot(wi) > 0.0);
             let e = f64::from(1.0 / at.pdf);

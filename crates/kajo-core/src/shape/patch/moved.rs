@@ -1,12 +1,12 @@
 //! Patches that have moved since they were made, for lights that move: everything is drawn and measured on the
 //! image of the patch under a map, and nothing is allocated for it.
 
-use super::{Canonical, CurvedPatch, Patch, PatchSample, PatchWay, PlacedTraced, scale_of_similarity};
+use super::{Canonical, CurvedPatch, Patch, PatchDirection, PatchSample, PlacedTraced, scale_of_similarity};
 use kajo_math::{DAffine3, DVec3, Vec2, Vec3};
 
 impl Patch {
     /// [`Patch::sample`] of the image of this patch under `m`; that of a sphere must be a sphere.
-    pub fn sample_moved(&self, m: &DAffine3, from: Vec3, u: Vec2) -> Option<PatchWay> {
+    pub fn sample_moved(&self, m: &DAffine3, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         match self {
             Patch::Curved(curved) => curved.moved(m).sample(from, u),
             Patch::Traced(traced) => traced.placed(Some(m)).sample(from, u),
@@ -86,7 +86,7 @@ pub struct PlacedPatch<'a> {
 impl PlacedPatch<'_> {
     /// See [`Patch::sample`].
     #[inline]
-    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
+    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         match &self.moved {
             None => self.patch.sample(from, u),
             Some(m) => self.patch.sample_moved(m, from, u),

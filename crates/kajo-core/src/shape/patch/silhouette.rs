@@ -17,8 +17,8 @@
 use kajo_math::solid_angle::basis64;
 use kajo_math::{DVec3, Vec2, Vec3};
 
-use super::traced::chance;
-use super::{Canonical, CurvedPatch, DiskPatch, ON_SPHERE, Patch, PatchSample, PatchWay};
+use super::traced::hashed_uniform;
+use super::{Canonical, CurvedPatch, DiskPatch, ON_SPHERE, Patch, PatchDirection, PatchSample};
 
 /// Probability of the nearest of two points.
 const NEAREST: f32 = 31.0 / 32.0;
@@ -43,7 +43,7 @@ struct Crossings {
 
 impl CurvedPatch {
     /// See [`Patch::sample`].
-    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         let o = from.as_dvec3();
         let Some(silhouette) = self.silhouette(o) else { return self.sample_area(u)?.seen_from(from) };
         let through = silhouette.sample(from, u)?;
@@ -52,10 +52,10 @@ impl CurvedPatch {
         let k = match crossings.n {
             0 => return None,
             1 => 0,
-            _ => usize::from(chance([u.x, u.y]) >= NEAREST),
+            _ => usize::from(hashed_uniform([u.x, u.y]) >= NEAREST),
         };
         let at = self.sample_at(o + crossings.t[k] * d, through.at.pdf * crossings.probability(k));
-        Some(PatchWay { at, wi: (at.p - from).normalize_or(through.wi) })
+        Some(PatchDirection { at, wi: (at.p - from).normalize_or(through.wi) })
     }
 
     /// See [`Patch::pdf`].
@@ -217,7 +217,7 @@ impl Silhouette {
     }
 
     /// A position drawn for the receiver `from`.
-    fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
+    fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         let Some((second, _)) = &self.second else { return self.first.sample(from, u) };
         let (patch, x, share) = if u.x < self.share {
             (&self.first, u.x / self.share, self.share)
@@ -225,7 +225,7 @@ impl Silhouette {
             (second, (u.x - self.share) / (1.0 - self.share), 1.0 - self.share)
         };
         let way = patch.sample(from, Vec2::new(x.min(1.0f32.next_down()), u.y))?;
-        Some(PatchWay { at: PatchSample { pdf: share * way.at.pdf, ..way.at }, ..way })
+        Some(PatchDirection { at: PatchSample { pdf: share * way.at.pdf, ..way.at }, ..way })
     }
 
     /// Density per solid angle at `from` with which [`Silhouette::sample`] draws a position in the direction `d` of any length.

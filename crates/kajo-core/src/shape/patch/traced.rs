@@ -34,7 +34,7 @@ use kajo_math::solid_angle::{SPHERE, SphericalCap, basis64};
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Ray, Transform, Vec2, Vec3, fmath, rng, sobol};
 
 use super::cover::{self, CoverSegment, SegmentView};
-use super::{PatchSample, PatchWay, on_unit_sphere, scale_of_similarity};
+use super::{PatchDirection, PatchSample, on_unit_sphere, scale_of_similarity};
 use crate::interaction::Hit;
 use crate::shape::{AnyShape, ShapeId, Shapes};
 
@@ -167,17 +167,17 @@ fn largest_stretch(m: &DMat3) -> f64 {
 
 impl PlacedTraced<'_> {
     /// See [`Patch::sample`].
-    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         let (wi, pdf_direction) = self.sample_direction(from, u)?;
         let wi = wi.as_vec3();
         let ray = Ray::new(from, wi).over(self.too_near(), f32::INFINITY);
         let (k, n, hit) = self.with_hits(&ray, |hits| {
-            let k = self.choose(hits.len(), chance([u.x, u.y]))?;
+            let k = self.choose(hits.len(), hashed_uniform([u.x, u.y]))?;
             Some((k, hits.len(), hits[k]))
         })?;
         let at = self.at(&ray, &hit);
         let pdf = self.probability(k, n) * pdf_direction;
-        Some(PatchWay { at: PatchSample { pdf, ..at }, wi: (at.p - from).normalize_or(wi) })
+        Some(PatchDirection { at: PatchSample { pdf, ..at }, wi: (at.p - from).normalize_or(wi) })
     }
 
     /// See [`Patch::pdf`].
@@ -227,7 +227,7 @@ impl PlacedTraced<'_> {
     pub(crate) fn sample_line(&self, position: Vec2, direction: Vec2) -> Option<(PatchSample, Vec3)> {
         let (o, d) = self.line(position, direction);
         let ray = Ray::new(o, d).over(f32::NEG_INFINITY, f32::INFINITY);
-        let u = chance([position.x, position.y, direction.x, direction.y]);
+        let u = hashed_uniform([position.x, position.y, direction.x, direction.y]);
         let (n, hit) = self.with_hits(&ray, |hits| {
             let n = hits.len();
             (n > 0).then(|| (n, hits[((u * n as f32) as usize).min(n - 1)]))
@@ -330,7 +330,7 @@ fn solid_angle(cap: Option<&SphericalCap>) -> f32 {
 }
 
 /// Another uniform number in [0, 1), a hash of these.
-pub(super) fn chance<const N: usize>(numbers: [f32; N]) -> f32 {
+pub(super) fn hashed_uniform<const N: usize>(numbers: [f32; N]) -> f32 {
     let key = numbers.iter().fold(rng::Key::new(0), |key, u| key.part([u.to_bits(), 0]));
     let [bits, ..] = key.words([0, 0]);
     rng::unit(bits)

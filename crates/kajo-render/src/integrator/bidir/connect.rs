@@ -35,9 +35,9 @@ use crate::trail::{About, PathObserver, RayKind};
 /// Densities with which a path from a light begins. Of a light infinitely far away the direction is its end.
 #[derive(Clone, Copy, Debug)]
 pub struct LightEndPdf {
-    /// Of the light's end of the path.
+    /// Of the light vertex, per area; per solid angle for light from infinitely far away, one for a point.
     pub end: f32,
-    /// Of the way to the next point, the geometry there left out.
+    /// Of the first segment, per solid angle, without the geometry at its end; per area for light from infinitely far away.
     pub onward: f32,
 }
 
@@ -49,7 +49,7 @@ impl LightEndPdf {
     }
 }
 
-/// What a segment that joins two vertices is to be told about.
+/// What an observer is told of a segment that joins two vertices.
 struct Join<'a> {
     kind: RayKind,
     segment: &'a Ray,
@@ -196,7 +196,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let join = Join { kind: RayKind::Connection, segment: &segment, carried, light: None };
         let is_single = y.is_single || z.is_single;
         let mut followed = *wavelengths;
-        if V::CARRIED && is_single {
+        if V::HAS_MEDIA && is_single {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y) * lanes(z), draws };
@@ -254,7 +254,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let join = Join { kind: RayKind::Splat, segment: &segment, carried, light: None };
         self.tell(observer, &join, wavelengths, None);
         let mut followed = *wavelengths;
-        if V::CARRIED && y.is_single {
+        if V::HAS_MEDIA && y.is_single {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y), draws };
@@ -303,7 +303,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         self.tell(observer, &join, wavelengths, None);
         let media = self.view.media_around(&Ray::new(o, li.wi), wavelengths);
         let with = Joining { wavelengths, hero, r_u: Spectrum::WHITE, draws };
-        let share = match V::CARRIED {
+        let share = match V::HAS_MEDIA {
             true => self.through_media(&segment, &media, with, observer)?,
             false => {
                 let eta = media.eta_of_segment(scene);
@@ -364,7 +364,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         with: Joining<'_, '_>,
         observer: &mut impl PathObserver,
     ) -> Option<SegmentShare> {
-        if let Some(volume) = z.volume.filled() {
+        if let Some(volume) = z.volume.with_media() {
             return self.through_media(segment, &volume.media[z.side(wi)], with, observer);
         }
         let visible = connect(self.scene(), segment, z.eta(wi), with.wavelengths, observer);
@@ -420,7 +420,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
 
     /// The densities with which a path from a light begins along `d`, with the choice of the light.
     fn pdf_le(&self, light: LightIndex, time: f32, at: &LightPoint, d: Vec3) -> LightEndPdf {
-        if V::CARRIED && self.is_hidden(at) {
+        if V::HAS_MEDIA && self.is_hidden(at) {
             return LightEndPdf { end: 0.0, onward: 0.0 };
         }
         let pdf = self.scene().pdf_le(light, time, at, d, self.power_sampler.world());
@@ -431,12 +431,12 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
 
 /// Mean extinction at a vertex in a medium, else 1.
 fn sigma_t<'a, V: Volume<'a>>(vertex: &Vertex<'a, V>) -> f32 {
-    vertex.volume.filled().map_or(1.0, |volume| volume.sigma_t)
+    vertex.volume.with_media().map_or(1.0, |volume| volume.sigma_t)
 }
 
 /// Densities of the path to a vertex, by lanes.
 fn lanes<'a, V: Volume<'a>>(vertex: &Vertex<'a, V>) -> Spectrum {
-    vertex.volume.filled().map_or(Spectrum::WHITE, |volume| volume.r_u)
+    vertex.volume.with_media().map_or(Spectrum::WHITE, |volume| volume.r_u)
 }
 
 /// The weight of light that the camera's path met [Georgiev 2012, eq. 43].

@@ -1,7 +1,7 @@
 //! Memory for the vertices of paths from lights, which is kept from sample to sample.
 
 use super::vertex::Vertex;
-use super::volume::{Clear, Filled, Volume};
+use super::volume::{NoMedia, Volume, WithMedia};
 
 /// Volumes whose vertices can be kept: as memory alone, which borrows from no scene.
 pub trait ReusedVolume<'a>: Volume<'a> {
@@ -12,20 +12,20 @@ pub trait ReusedVolume<'a>: Volume<'a> {
     fn reused(kept: Vec<Vertex<'static, Self::Kept>>) -> Vec<Vertex<'a, Self>>;
 }
 
-impl<'a> ReusedVolume<'a> for Clear {
-    type Kept = Clear;
+impl<'a> ReusedVolume<'a> for NoMedia {
+    type Kept = NoMedia;
 
     #[inline(always)]
-    fn reused(kept: Vec<Vertex<'static, Clear>>) -> Vec<Vertex<'a, Clear>> {
+    fn reused(kept: Vec<Vertex<'static, NoMedia>>) -> Vec<Vertex<'a, NoMedia>> {
         kept
     }
 }
 
-impl<'a> ReusedVolume<'a> for Filled<'a> {
-    type Kept = Filled<'static>;
+impl<'a> ReusedVolume<'a> for WithMedia<'a> {
+    type Kept = WithMedia<'static>;
 
     #[inline(always)]
-    fn reused(kept: Vec<Vertex<'static, Filled<'static>>>) -> Vec<Vertex<'a, Filled<'a>>> {
+    fn reused(kept: Vec<Vertex<'static, WithMedia<'static>>>) -> Vec<Vertex<'a, WithMedia<'a>>> {
         kept
     }
 }

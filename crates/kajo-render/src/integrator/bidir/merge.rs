@@ -1,4 +1,4 @@
-//! Vertex merging: one more way to find a path, by a point of a path from a light that lies beside a point of the camera's.
+//! Vertex merging: one more technique that samples a path, by a vertex of a path from a light that lies near a vertex of the camera's.
 //!
 //! A pass has `N` paths from lights, whose vertices are kept in a map. The camera's path takes those that lie within `r` of its
 //! own vertex `z` for paths that come to `z` itself,
@@ -7,7 +7,7 @@
 //! L  =  1/(N pi r^2)  sum over y  of  beta_y f_z(wi_y, wo) beta_z w                  [Georgiev et al. 2012]
 //! ```
 //!
-//! This way draws `z` from both sides, and takes it if both points are close: its density is that of a connection before `z`, times that of
+//! This technique draws `z` from both sides, and takes it if both points are close: its density is that of a connection before `z`, times that of
 //! drawing `z` from the light, times the area of the disk. With `N` paths from lights it is worth `N` samples, so in weights it has the
 //! density
 //!
@@ -274,7 +274,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     ) {
         let wavelengths = merging.wavelengths();
         let time = draws.number_if(self.view.scene.moves());
-        let hero = if V::CARRIED { LaneMis::new(wavelengths, draws.next_1d()).hero } else { 0 };
+        let hero = if V::HAS_MEDIA { LaneMis::new(wavelengths, draws.next_1d()).hero } else { 0 };
         path.clear();
         self.follow_light(counting, path, draws, Carried { wavelengths, time, hero, merging: Some(merging) });
         let moment = merging.moment(time);
@@ -314,6 +314,8 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             if scattered.is_black() || cosine <= 0.0 {
                 return;
             }
+            // The kernel 1/(N pi r^2) estimates a density per area of the true surface, so the cosine of `f |cos|` is divided by that of
+            // the geometric normal [Veach 1997, 5.3.2].
             let merged = Contribution {
                 way: [scatterings + 2, t],
                 is_merged: true,

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! What can be found in several ways counts with the weights of the power heuristic; see `partial_mis.rs`. Light on its way
-//! through glass to a matt surface, a caustic, is left to `t = 1`, which is where path tracing has no good way.
+//! through glass to a matt surface, a caustic, is left to `t = 1`, where path tracing has no technique of small variance.
 //!
 //! Light tracing [Arvo 1986], [Dutré, Lafortune and Willems 1993] is what remains when `t = 1` alone is used, with weight
 //! one. Lights and the background are then seen by the camera's own ray, and what is behind mirrors and glass
@@ -63,10 +63,10 @@ use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 pub(super) use subpath::Subpath;
 pub(super) use vertex::Vertex;
-pub(super) use volume::{Clear, Filled, Volume};
+pub(super) use volume::{NoMedia, Volume, WithMedia};
 
 /// The bidirectional path tracer over one scene and one picture size: of surfaces alone, or with the participating media between them.
-pub struct Bidirectional<'a, V = Clear> {
+pub struct Bidirectional<'a, V = NoMedia> {
     view: CameraView<'a>,
     settings: BidirectionalSettings,
     power_sampler: PowerLightSampler,
@@ -84,8 +84,8 @@ pub(super) fn integrator_of<'a>(
     layers: LayerSet,
 ) -> Box<dyn PixelIntegrator + 'a> {
     match scene.has_media() {
-        false => Box::new(Bidirectional::<Clear>::made(camera, scene, settings, size, layers)),
-        true => Box::new(Bidirectional::<Filled>::made(camera, scene, settings, size, layers)),
+        false => Box::new(Bidirectional::<NoMedia>::made(camera, scene, settings, size, layers)),
+        true => Box::new(Bidirectional::<WithMedia>::made(camera, scene, settings, size, layers)),
     }
 }
 
@@ -246,7 +246,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let Some(ray) = self.view.ray(raster, &mut draws) else { return VisibleSurface::default() };
         let own = self.view.wavelengths(&mut draws);
         let wavelengths = merging.map_or(own, |merging| *merging.wavelengths());
-        let hero = if V::CARRIED { LaneMis::new(&wavelengths, draws.next_1d()).hero } else { 0 };
+        let hero = if V::HAS_MEDIA { LaneMis::new(&wavelengths, draws.next_1d()).hero } else { 0 };
         let carried = Carried { wavelengths: &wavelengths, time: ray.time, hero, merging };
         let root = observer.mark();
         let mut from_light = self.follow_light(observer, light_path, from_light, carried);
@@ -282,11 +282,11 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);
         let Some((chosen, emitted)) = drawn else { return draws };
         let SampledLight { light, probability, .. } = chosen;
-        if V::CARRIED && self.is_hidden(&emitted.at) {
+        if V::HAS_MEDIA && self.is_hidden(&emitted.at) {
             return draws;
         }
         let mut path = light_end(scene, &emitted, time, probability, wavelengths, draws);
-        if V::CARRIED {
+        if V::HAS_MEDIA {
             path.state.carry_media(hero);
         }
         let group = scene.lighting.sampler.group(light);
@@ -303,7 +303,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                     }
                     (bsdf, None)
                 }
-                Event::Medium(at) if V::CARRIED => (Bsdf::Null, Some(at)),
+                Event::Medium(at) if V::HAS_MEDIA => (Bsdf::Null, Some(at)),
                 _ => break,
             };
             if vertices.is_empty() {
@@ -361,7 +361,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let wavelengths = carried.wavelengths;
         let media = self.view.media_around(&ray, wavelengths);
         let mut state = PathState::new(ray, *wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
-        if V::CARRIED {
+        if V::HAS_MEDIA {
             state.carry_media(carried.hero);
         }
         let mut end = CameraEnd {
@@ -401,7 +401,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             end.from = Some(z);
             end.t += 1;
         }
-        if V::CARRIED && end.visible.begins_in_medium {
+        if V::HAS_MEDIA && end.visible.begins_in_medium {
             end.visible.first = None;
         }
         end.visible
@@ -418,13 +418,13 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let scene = self.scene();
         let CameraEnd { path, surface, from, t, visible, collision, camera_ray, carried } = end;
         let wavelengths = carried.wavelengths;
-        if V::CARRIED {
+        if V::HAS_MEDIA {
             *collision = None;
         }
         let is_last = *t == self.longest();
         loop {
             let event = advance(scene, &mut path.state, surface, &mut visible.first, observer);
-            if V::CARRIED && !path.state.emitted.is_black() {
+            if V::HAS_MEDIA && !path.state.emitted.is_black() {
                 let emitted = path.medium_emission();
                 observer.found(|| emitted.value(wavelengths));
                 found(emitted, wavelengths);
@@ -438,7 +438,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                     });
                     return None;
                 }
-                Event::Medium(at) if V::CARRIED => {
+                Event::Medium(at) if V::HAS_MEDIA => {
                     if *t == 2 {
                         self.see(path, camera_ray, at.p);
                         visible.begin_in_medium();
@@ -475,7 +475,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     fn see(&self, path: &mut Subpath<'_>, camera_ray: &Ray, p: Vec3) {
         let pdf = self.view.pdf_across(camera_ray, p);
         match pdf.filter(|_| self.connects()) {
-            Some(pdf) => path.departure.pdf = weighted_pdf_across(pdf),
+            Some(pdf) => path.last.pdf = weighted_pdf_across(pdf),
             None => path.state.connectable = false,
         }
     }
@@ -530,21 +530,21 @@ pub(super) fn sample_emitted(
 
 /// The beginning of a path from a light.
 ///
-/// * `chance`: probability with which the light was chosen
+/// * `probability`: probability with which the light was chosen
 pub(super) fn light_end<'s>(
     scene: &Scene,
     emitted: &LightLeSample,
     time: f32,
-    chance: f32,
+    probability: f32,
     wavelengths: &Wavelengths,
     draws: SampleStream<'s>,
 ) -> Subpath<'s> {
     let is_infinite = emitted.at.is_infinite();
     let LightEndPdf { end, onward } = LightEndPdf::new(emitted.pdf, is_infinite);
-    let end = chance * end;
+    let end = probability * end;
     // [Georgiev 2012, eq. 31 and 32], for lights without extent [eq. 48]
     let d_vcm = if emitted.is_delta { 0.0 } else { square(end).recip() };
-    let departure = subpath::Departure {
+    let last = subpath::LastVertex {
         p: emitted.at.p(),
         pdf: onward,
         is_parallel: is_infinite,
@@ -553,15 +553,15 @@ pub(super) fn light_end<'s>(
         pdf_back: 0.0,
         mis: PartialMis { d_vcm, d_vc: 0.0 },
     };
-    let power = emitted.power() * (1.0 / chance);
+    let power = emitted.power() * (1.0 / probability);
     let ray = emitted.ray(time);
     let media = match is_infinite {
         true => MediumStack::air(scene),
         false => MediumStack::around(scene, &ray, wavelengths),
     };
     let state = PathState::new(ray, *wavelengths, power, Transport::Importance, media, draws);
-    let departure = subpath::Departure { eta: media.eta(), ..departure };
-    Subpath { state: PathState { connectable: true, ..state }, departure }
+    let last = subpath::LastVertex { eta: media.eta(), ..last };
+    Subpath { state: PathState { connectable: true, ..state }, last }
 }
 
 /// Whether the air is a medium without end.

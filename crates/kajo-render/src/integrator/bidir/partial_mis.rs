@@ -1,17 +1,17 @@
-//! The other ways to find a path, and what they leave to this one: recursive evaluation of multiple importance sampling.
+//! Recursive evaluation of multiple importance sampling weights of bidirectional path tracing: `d_vcm` and `d_vc` [Georgiev 2012].
 //!
-//! A path `x0 x1 .. xn` from a light to the lens can be found in several ways: `s` of its points are drawn from the light
-//! and the others from the camera. With the density `p_s` of each way it counts by the power heuristic with the weight
+//! A path `x0 x1 .. xn` from a light to the lens can be sampled by several techniques: `s` of its points are drawn from the light
+//! and the others from the camera. With the density `p_s` of each technique it counts by the power heuristic with the weight
 //!
 //! ```text
 //! w_s = p_s^2 / sum over j of p_j^2                               [Veach 1997, 9.2]
 //!     = 1 / (w_light + 1 + w_camera)                              [Georgiev 2012, eq. 37]
 //! ```
 //!
-//! where `w_light` and `w_camera` sum `(p_j / p_s)^2` over the ways that draw fewer points from the light, and more.
+//! where `w_light` and `w_camera` sum `(p_j / p_s)^2` over the techniques that draw fewer points from the light, and more.
 //!
 //! Two techniques that differ in the side from which `xi` was sampled differ by the factor `p>(xi) / p<(xi)`, the densities per area of drawing it
-//! from the side of the light and from that of the camera. So the sums over the ways on both sides of a
+//! from the side of the light and from that of the camera. So the sums over the techniques on both sides of a
 //! connection grow with the paths. For the end `xi` of a path from the light,
 //!
 //! ```text
@@ -32,7 +32,7 @@
 /// The density of splats in weights, in parts of the true one.
 ///
 /// By squared error at 64 Sobol samples, relative to path tracing, on matt balls under a rectangle: 8.4 with 1, 1.50 with 1/4, 1.22 with 1/5, 0.87
-/// with 1/10. Where several ways are needed splats are worth their samples: glossy rooms lose 15 % with 1/10 and 2 % with 1/5.
+/// with 1/10. Where several techniques are needed splats are worth their samples: glossy rooms lose 15 % with 1/10 and 2 % with 1/5.
 const SPLAT_DENSITY: f32 = 0.2;
 
 /// What the density of the point before the lens is in weights, as the camera's own ray draws it: all others are relative to that of splats.

@@ -13,7 +13,7 @@ use crate::{LayerSet, PixelIntegrator};
 /// Options of [`super::Bidirectional`].
 #[derive(Clone, Copy, Debug)]
 pub struct BidirectionalSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
+    /// Maximum number of scattering events of a path; 0 is direct illumination only.
     pub bounces: u32,
     /// Whether light is followed from lights only.
     pub only_from_lights: bool,

@@ -1,4 +1,4 @@
-//! One of the two ends of a path while it grows, from the light or from the camera.
+//! One of the two subpaths of a path, from the light or from the camera, while it grows.
 
 use kajo_color::Spectrum;
 use kajo_core::LightGroup;
@@ -11,20 +11,20 @@ use kajo_math::Vec3;
 use super::Contribution;
 use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
-use super::volume::{Filled, Volume, grown_through_media};
+use super::volume::{Volume, WithMedia, grown_through_media};
 use crate::integrator::transport::{
     MediumInteraction, PathState, SurfaceInteraction, follow, follow_phase, survives, survives_in_medium,
 };
 use crate::trail::PathObserver;
 
-/// Where the ray at hand started, and how it was drawn there.
+/// The vertex that the current ray starts from, and the density with which the ray was sampled there.
 #[derive(Clone, Copy, Debug)]
-pub struct Departure {
+pub struct LastVertex {
     /// The vertex.
     pub p: Vec3,
-    /// Density of the ray's direction per solid angle; for parallel rays that of its place, per area across them.
+    /// Density of the ray per solid angle; for parallel rays (light from infinitely far away, orthographic cameras) per area across them.
     pub pdf: f32,
-    /// Whether it comes from infinitely far, or one of its ends counts as if it did.
+    /// Whether `pdf` is per area across the ray, so that no distance enters the density at its end.
     pub is_parallel: bool,
     /// Cosine with the true surface at the vertex, 1 where there is none.
     pub cosine: f32,
@@ -39,15 +39,15 @@ pub struct Departure {
 /// A path from one end while it grows.
 pub struct Subpath<'s> {
     pub state: PathState<'s>,
-    pub departure: Departure,
+    pub last: LastVertex,
 }
 
 impl<'s> Subpath<'s> {
     /// A path from the camera that begins with the ray of its state.
     pub fn from_camera(state: PathState<'s>) -> Subpath<'s> {
         let (p, eta, mis) = (state.ray.o, state.media.eta(), PartialMis::default());
-        let departure = Departure { p, pdf: 1.0, is_parallel: true, cosine: 1.0, eta, pdf_back: 0.0, mis };
-        Subpath { state, departure }
+        let last = LastVertex { p, pdf: 1.0, is_parallel: true, cosine: 1.0, eta, pdf_back: 0.0, mis };
+        Subpath { state, last }
     }
 }
 
@@ -57,24 +57,25 @@ impl Subpath<'_> {
     /// * `cosine`: between the ray and the true normal there
     /// * `collision`: mean extinction there, if it is in a medium
     pub fn mis_at<'v, V: Volume<'v>>(&self, p: Vec3, cosine: f32, collision: Option<f32>) -> PartialMis {
-        let Departure { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.departure;
+        let LastVertex { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.last;
         let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
-        // cos dw n^2 of a narrow beam is the same at both ends, whatever the way between them. No straight way ends at another index.
-        let eta = if self.state.connectable { 1.0 } else { self.departure.eta / self.state.media.eta() };
-        let g = self.departure.cosine * thinning * eta * eta;
+        // The étendue cos dw n^2 of a narrow beam is the same at both ends, whatever lies between. A segment without an
+        // interface ends at the index at which it began.
+        let eta = if self.state.connectable { 1.0 } else { self.last.eta / self.state.media.eta() };
+        let g = self.last.cosine * thinning * eta * eta;
         let connectable = self.state.connectable;
         let growth = Growth { pdf: pdf * cosine * thinning, g, pdf_back, connectable };
-        mis.grown(if V::CARRIED { grown_through_media(growth, &self.state, collision) } else { growth })
+        mis.grown(if V::HAS_MEDIA { grown_through_media(growth, &self.state, collision) } else { growth })
     }
 
     /// The sums where the ray ends that leaves the scene.
     pub fn mis_at_infinity<'v, V: Volume<'v>>(&self) -> PartialMis {
-        let Departure { pdf, cosine: g, pdf_back, mis, .. } = self.departure;
+        let LastVertex { pdf, cosine: g, pdf_back, mis, .. } = self.last;
         let growth = Growth { pdf, g, pdf_back, connectable: self.state.connectable };
-        mis.grown(if V::CARRIED { grown_through_media(growth, &self.state, None) } else { growth })
+        mis.grown(if V::HAS_MEDIA { grown_through_media(growth, &self.state, None) } else { growth })
     }
 
-    /// Light that the ray of a path from the camera has met.
+    /// Light that the ray of a path from the camera has hit (`s = 0`).
     pub(super) fn hit(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
             way: [0, self.state.scatterings + 2],
@@ -87,7 +88,7 @@ impl Subpath<'_> {
         }
     }
 
-    /// Light that media gave on the way of a path from the camera: no other way finds it.
+    /// Emission of media along a path from the camera: no other technique samples it.
     pub(super) fn medium_emission(&mut self) -> Contribution {
         let light = std::mem::take(&mut self.state.emitted);
         Contribution { light, ..self.hit(Spectrum::BLACK, LightGroup::default(), 1.0) }
@@ -119,7 +120,12 @@ impl Subpath<'_> {
             is_single: self.state.wavelengths.secondary_terminated(),
             group,
             merged_at: None,
-            volume: V::of(|| Filled { phase: None, sigma_t: 1.0, r_u: self.state.lanes.r_u, media: sides }),
+            volume: V::of(|| WithMedia {
+                phase: None,
+                sigma_t: 1.0,
+                r_u: self.state.lanes.r_u,
+                media: sides,
+            }),
         }
     }
 
@@ -146,7 +152,7 @@ impl Subpath<'_> {
             is_single: self.state.wavelengths.secondary_terminated(),
             group,
             merged_at: None,
-            volume: V::of(|| Filled {
+            volume: V::of(|| WithMedia {
                 phase: Some(at.phase),
                 sigma_t: lanes.sigma_t,
                 r_u: lanes.r_u,
@@ -168,7 +174,7 @@ impl Subpath<'_> {
         observer: &mut impl PathObserver,
     ) -> bool {
         match collision {
-            Some(at) if V::CARRIED => self.scatter_in_medium(vertex, at, roulette, observer),
+            Some(at) if V::HAS_MEDIA => self.scatter_in_medium(vertex, at, roulette, observer),
             _ => self.scatter(vertex, surface, roulette, observer),
         }
     }
@@ -187,7 +193,7 @@ impl Subpath<'_> {
         let sample = at.phase.sample(at.wo, state.draws.next_2d());
         follow_phase(state, at, sample.wi, observer);
         state.lanes.sigma_t_from = state.lanes.sigma_t;
-        self.departure = Departure {
+        self.last = LastVertex {
             p: at.p,
             pdf: sample.pdf,
             is_parallel: false,
@@ -235,7 +241,7 @@ impl Subpath<'_> {
             (true, true) => reversed(&sample, local.wo),
             (true, false) => 0.0,
         };
-        self.departure = Departure {
+        self.last = LastVertex {
             p: vertex.at.p,
             pdf: sample.pdf,
             is_parallel: false,
@@ -245,17 +251,16 @@ impl Subpath<'_> {
             mis: if delta { vertex.mis.without_connection() } else { vertex.mis },
         };
         follow(state, surface, wi, &sample, observer);
-        if V::CARRIED {
+        if V::HAS_MEDIA {
             state.lanes.sigma_t_from = 1.0;
         }
-        self.departure.eta = state.media.eta();
+        self.last.eta = state.media.eta();
         let bounces = state.scatterings;
         survives(state, bounces, roulette)
     }
 }
 
-/// What stands for the density of the way back of a single direction, where `sample.pdf` stands for that of the
-/// way there.
+/// The counterpart of `sample.pdf` for the reverse direction of a specular event.
 ///
 /// Both are probabilities. Their ratio as densities is that of the solid angles of a narrow beam on both sides,
 /// `cos dw eta^2 = cos' dw' eta'^2`.

@@ -27,12 +27,12 @@ use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
 use super::partial_mis::PartialMis;
-use super::volume::{Clear, Volume};
+use super::volume::{NoMedia, Volume};
 use crate::integrator::transport::LocalFrame;
 
 /// A point of a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Vertex<'s, V = Clear> {
+pub struct Vertex<'s, V = NoMedia> {
     /// Position and normals; in a medium a position alone.
     pub at: SurfacePoint,
     /// The directions that scattering goes by.
@@ -43,7 +43,7 @@ pub struct Vertex<'s, V = Clear> {
     pub wo: Vec3,
     /// Light that arrives, for a path from the light; for one from the camera, what light from here is multiplied by.
     pub beta: Spectrum,
-    /// The other ways to find the path, on this side.
+    /// Sums over the techniques that sample the path differently on this side.
     pub mis: PartialMis,
     /// Absorption per unit length on the side of `wo` and on the other.
     pub sigma_a: [Spectrum; 2],
@@ -55,15 +55,15 @@ pub struct Vertex<'s, V = Clear> {
     pub group: LightGroup,
     /// Where paths from the other end may have a vertex of their own beside it; see `merge.rs`.
     pub merged_at: Option<Vec3>,
-    /// What is to be known of media.
+    /// Data for participating media.
     pub volume: V,
 }
 
 impl<'s, V: Volume<'s>> Vertex<'s, V> {
-    /// Where to a medium scatters light there.
+    /// Phase function at the vertex, if it is in a medium.
     #[inline(always)]
     pub fn phase(&self) -> Option<&'s Phase> {
-        self.volume.filled()?.phase
+        self.volume.with_media()?.phase
     }
 
     /// Whether light is scattered into single directions alone.

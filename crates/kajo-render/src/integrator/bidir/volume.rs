@@ -1,4 +1,4 @@
-//! What vertices and segments know of participating media: nothing in scenes without any, where all of this is compiled away.
+//! Participating media in bidirectional paths: per-vertex data that has no size in scenes without media, and densities of segments.
 //!
 //! In a medium a segment is drawn with the density of its direction, and with one for how far it goes. Paths are taken with the points of
 //! their null collisions [Miller, Georgiev and Jarosz 2019], so that all of these densities are known. Let `N` be the density of the null
@@ -11,11 +11,11 @@
 //! joined, by ratio tracking                   N
 //! ```
 //!
-//! `q` is the same in both directions and `N` is common to all ways to find the path. So the weights of `partial_mis.rs` hold with
+//! `q` is the same in both directions and `N` is common to all techniques that sample the path. So the weights of `partial_mis.rs` hold with
 //! each density per area multiplied by `q sigma_t(y)`, where `sigma_t` is 1 at surfaces, and cosines that are 1 in media.
 //!
 //! Coefficients depend on the wavelength. Weights take the means of `q` and of `sigma_t` over all lanes that the path began with: any function of the path may
-//! stand for a density, as long as it is the same for all ways. The estimate itself counts over the mean of the true densities of all lanes, each
+//! stand for a density, as long as it is the same for all techniques. The estimate itself counts over the mean of the true densities of all lanes, each
 //! of which might have drawn the distances, as in path tracing; see `transport/collisions.rs`.
 
 use std::fmt;
@@ -26,46 +26,46 @@ use kajo_core::medium::Phase;
 use super::partial_mis::Growth;
 use crate::integrator::transport::{MediumStack, PathState};
 
-/// What a vertex has of participating media.
+/// Whether paths carry participating media, and what a vertex then knows of them.
 pub trait Volume<'a>: Copy + Sync + fmt::Debug + 'a {
     /// Whether paths carry media.
-    const CARRIED: bool;
+    const HAS_MEDIA: bool;
 
     /// Made where paths carry media.
-    fn of(make: impl FnOnce() -> Filled<'a>) -> Self;
+    fn of(make: impl FnOnce() -> WithMedia<'a>) -> Self;
 
-    /// What there is to be known of media.
-    fn filled(&self) -> Option<&Filled<'a>>;
+    /// The data of the vertex; `None` in scenes without media.
+    fn with_media(&self) -> Option<&WithMedia<'a>>;
 
     /// A density with what media make of it.
     #[inline(always)]
     fn scaled(pdf: f32, factor: impl FnOnce() -> f32) -> f32 {
-        if Self::CARRIED { pdf * factor() } else { pdf }
+        if Self::HAS_MEDIA { pdf * factor() } else { pdf }
     }
 }
 
 /// A scene without participating media.
 #[derive(Clone, Copy, Debug)]
-pub struct Clear;
+pub struct NoMedia;
 
-impl<'a> Volume<'a> for Clear {
-    const CARRIED: bool = false;
+impl<'a> Volume<'a> for NoMedia {
+    const HAS_MEDIA: bool = false;
 
     #[inline(always)]
-    fn of(_make: impl FnOnce() -> Filled<'a>) -> Clear {
-        Clear
+    fn of(_make: impl FnOnce() -> WithMedia<'a>) -> NoMedia {
+        NoMedia
     }
 
     #[inline(always)]
-    fn filled(&self) -> Option<&Filled<'a>> {
+    fn with_media(&self) -> Option<&WithMedia<'a>> {
         None
     }
 }
 
 /// A vertex in a scene with participating media.
 #[derive(Clone, Copy, Debug)]
-pub struct Filled<'a> {
-    /// Where to light is scattered, if the vertex is in a medium.
+pub struct WithMedia<'a> {
+    /// Phase function at the vertex, if it is in a medium.
     pub phase: Option<&'a Phase>,
     /// Extinction per unit length at a vertex in a medium, the mean over the lanes; 1 at surfaces.
     pub sigma_t: f32,
@@ -75,21 +75,22 @@ pub struct Filled<'a> {
     pub media: [MediumStack; 2],
 }
 
-impl<'a> Volume<'a> for Filled<'a> {
-    const CARRIED: bool = true;
+impl<'a> Volume<'a> for WithMedia<'a> {
+    const HAS_MEDIA: bool = true;
 
     #[inline]
-    fn of(make: impl FnOnce() -> Filled<'a>) -> Filled<'a> {
+    fn of(make: impl FnOnce() -> WithMedia<'a>) -> WithMedia<'a> {
         make()
     }
 
     #[inline]
-    fn filled(&self) -> Option<&Filled<'a>> {
+    fn with_media(&self) -> Option<&WithMedia<'a>> {
         Some(self)
     }
 }
 
-/// The densities of a path's new vertex with what media make of them.
+/// The densities of a path's new vertex with what media make of them: `pdf q sigma_t` at a collision, `pdf q` at a surface, and the other way `g q sigma_t` of the
+/// vertex before (the first two rows of the table above without `N`, which is common to all techniques).
 ///
 /// * `collision`: mean extinction there, if it is in a medium
 pub fn grown_through_media(growth: Growth, path: &PathState<'_>, collision: Option<f32>) -> Growth {

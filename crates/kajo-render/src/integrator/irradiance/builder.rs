@@ -1,4 +1,4 @@
-//! How the records come into being: in rounds, so that the cache is a function of the scene and the seed.
+//! Builds the records in rounds, so that the cache is a function of the scene and the seed.
 //!
 //! Grids of pixels from coarse to fine cover the whole picture. From each pixel of a grid a path goes to the first surface that is no
 //! mirror; where that reflects evenly and the records do not cover it yet, the pixel proposes a record. Proposals are sorted by
@@ -181,7 +181,7 @@ impl<'b, 'a> Builder<'b, 'a> {
         let footprint =
             beside.map_or([0.0; 2], |beside| [beside.o.distance(ray.o), beside.d.distance(ray.d)]);
         let mut counting = Counting::new(ctx);
-        let look = Look { last: Some(ray.o), ..Look::from_camera() };
+        let look = FirstDiffuseVisitor { last: Some(ray.o), ..FirstDiffuseVisitor::from_camera() };
         let (_, look) = self.paths.observe_with(ctx, raster, &mut counting, look);
         ctx.rays = counting.rays;
         let mut seen = look.seen?;
@@ -214,7 +214,7 @@ impl<'b, 'a> Builder<'b, 'a> {
             let mut draws = SampleStream::new(&sampler, seed, pixel, i as u32);
             let d = strata.direction(i, draws.next_2d().as_dvec2().to_array());
             let (radiance, inverse_distance) =
-                self.follow(seen, frame.to_world(d.as_vec3()), draws, counting);
+                self.trace_incident(seen, frame.to_world(d.as_vec3()), draws, counting);
             RayResult { d, radiance: radiance.map(f64::from), inverse_distance: inverse_distance.into() }
         });
         Hemisphere { strata, rays: rays.collect() }
@@ -222,7 +222,7 @@ impl<'b, 'a> Builder<'b, 'a> {
 
     /// Follows a ray from a record: the light that comes along it but for direct light and caustics, and one over the distance of what
     /// it comes from.
-    fn follow(
+    fn trace_incident(
         &self,
         seen: &ProposalVertex,
         wi: Vec3,
@@ -324,17 +324,17 @@ impl<'b, 'a> Builder<'b, 'a> {
 }
 
 /// Follows a path to the surface whose light is to be known.
-pub struct Look {
+pub struct FirstDiffuseVisitor {
     /// Where the path has been last.
     last: Option<Vec3>,
     length: f32,
     seen: Option<ProposalVertex>,
 }
 
-impl Look {
+impl FirstDiffuseVisitor {
     /// That of a path that begins.
-    pub fn from_camera() -> Look {
-        Look { last: None, length: 0.0, seen: None }
+    pub fn from_camera() -> FirstDiffuseVisitor {
+        FirstDiffuseVisitor { last: None, length: 0.0, seen: None }
     }
 
     /// The position whose light was to be known.
@@ -343,7 +343,7 @@ impl Look {
     }
 }
 
-impl IndirectLight for Look {
+impl IndirectLight for FirstDiffuseVisitor {
     const IS_ASKED: bool = true;
 
     fn irradiance(&mut self, vertex: &DiffuseVertex<'_, '_>) -> Indirect {

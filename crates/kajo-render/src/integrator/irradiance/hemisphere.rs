@@ -117,7 +117,7 @@ impl Hemisphere {
         here + 0.5 * (towards[0] * by_ring + towards[1] * by_azimuth)
     }
 
-    /// What a sample counts in `E`.
+    /// What a sample counts in `E`: `pi / (M N)` for directions drawn in proportion to the cosine [Ward and Heckbert 1992, eq. 3].
     fn weight(&self) -> f64 {
         PI / self.strata.len() as f64
     }

@@ -29,7 +29,7 @@ use super::path::{DiffuseVertex, Indirect, IndirectLight, Path};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{Setup, SetupError, WithState};
-use builder::{Builder, Look};
+use builder::{Builder, FirstDiffuseVisitor};
 use octree::Octree;
 use record::IrradianceQuery;
 pub use settings::{IRRADIANCE, IrradianceSettings};
@@ -151,7 +151,8 @@ impl Integrator for Cached<'_> {
         if !caching.settings.shows_records {
             return caching.paths.observe_with(ctx, raster, observer, Lookup(&self.cache)).0;
         }
-        let (sample, look) = caching.paths.observe_with(ctx, raster, observer, Look::from_camera());
+        let (sample, look) =
+            caching.paths.observe_with(ctx, raster, observer, FirstDiffuseVisitor::from_camera());
         let radiance = look.query().map_or([0.0; 3], |at| self.cache.shown(&at));
         observer.shown_instead(|| radiance);
         PixelSample { radiance, ..sample }

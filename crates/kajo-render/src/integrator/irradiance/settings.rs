@@ -13,7 +13,7 @@ use crate::{LayerSet, PixelIntegrator};
 /// Options of [`IrradianceCaching`].
 #[derive(Clone, Copy, Debug)]
 pub struct IrradianceSettings {
-    /// How often light is scattered on its way from one surface to another, counted from the one that the cache lights.
+    /// Maximum number of scattering events of a path before the surface that the cache lights.
     pub bounces: u32,
     /// The error that a record may make by being taken for its surroundings, as a share of its irradiance; positive.
     pub accuracy: f32,

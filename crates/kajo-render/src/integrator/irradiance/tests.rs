@@ -119,7 +119,8 @@ fn the_indirect_light_in_a_ball_is_even() {
         let pixel = [i % 48, i / 48];
         let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + ctx.begin(pixel, 0);
         let mut counting = crate::trail::Counting::new(&ctx);
-        let (_, look) = caching.plain.observe_with(&mut ctx, raster, &mut counting, Look::from_camera());
+        let (_, look) =
+            caching.plain.observe_with(&mut ctx, raster, &mut counting, FirstDiffuseVisitor::from_camera());
         let at = look.query().unwrap();
         if let Some(e) = cache.tree.irradiance(&at, cache.turn) {
             count += 1;

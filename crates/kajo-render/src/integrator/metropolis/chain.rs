@@ -166,6 +166,7 @@ impl Chain {
         }
         evaluation.light_of(numbers, u64::from(seed) << 32 | u64::from(by_chance), light);
         let a = acceptance(self.light.importance, light.importance);
+        // [Kelemen et al. 2002, eq. 13]
         let weight = |share: f32, light: &Light| {
             (f64::from(share) / (f64::from(light.importance) / b + f64::from(LARGE_STEP))) as f32
         };

@@ -32,7 +32,7 @@ use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
 use kajo_math::Vec2;
 
-use super::bidir::{Bidirectional, Filled};
+use super::bidir::{Bidirectional, WithMedia};
 use super::path::Path;
 use super::{Integrator, bidir::BidirectionalSettings, path::PathSettings};
 use crate::trail::PathObserver;
@@ -50,17 +50,17 @@ const UNSURE: f64 = 0.02;
 
 /// Moves samples of another integrator, before it knows where to begin.
 pub struct Metropolis<'a> {
-    moved: Moved<'a>,
+    mutated: MutatedIntegrator<'a>,
     size: [u32; 2],
     layers: LayerSet,
 }
 
-/// The integrator whose samples are moved.
-enum Moved<'a> {
+/// The integrator whose samples are mutated.
+enum MutatedIntegrator<'a> {
     Path(Path<'a>),
     Bidirectional(Bidirectional<'a>),
     /// The same with participating media.
-    ThroughMedia(Bidirectional<'a, Filled<'a>>),
+    ThroughMedia(Bidirectional<'a, WithMedia<'a>>),
 }
 
 /// Chains that know where to begin.
@@ -93,26 +93,28 @@ impl<'a> Metropolis<'a> {
         let own = LayerSet::of(
             &[Layer::Color, Layer::Albedo].map(|layer| if layers.has(layer) { layer } else { Layer::Color }),
         );
-        let moved = if by_paths {
+        let mutated = if by_paths {
             let path = PathSettings { bounces, light_choice, roulette, spectral, ..PathSettings::default() };
-            Moved::Path(Path::through(camera, scene, path, size, own))
+            MutatedIntegrator::Path(Path::through(camera, scene, path, size, own))
         } else {
             let both =
                 BidirectionalSettings { bounces, light_choice, roulette, spectral, only_from_lights: false };
             match scene.has_media() {
-                false => Moved::Bidirectional(Bidirectional::through(camera, scene, both, size, own)),
-                true => Moved::ThroughMedia(Bidirectional::made(camera, scene, both, size, own)),
+                false => {
+                    MutatedIntegrator::Bidirectional(Bidirectional::through(camera, scene, both, size, own))
+                }
+                true => MutatedIntegrator::ThroughMedia(Bidirectional::made(camera, scene, both, size, own)),
             }
         };
-        Metropolis { moved, size, layers }
+        Metropolis { mutated, size, layers }
     }
 
-    /// The integrator whose samples are moved.
-    fn moved(&self) -> &dyn PixelIntegrator {
-        match &self.moved {
-            Moved::Path(path) => path,
-            Moved::Bidirectional(both) => both,
-            Moved::ThroughMedia(both) => both,
+    /// The integrator whose samples are mutated.
+    fn mutated(&self) -> &dyn PixelIntegrator {
+        match &self.mutated {
+            MutatedIntegrator::Path(path) => path,
+            MutatedIntegrator::Bidirectional(both) => both,
+            MutatedIntegrator::ThroughMedia(both) => both,
         }
     }
 
@@ -138,10 +140,10 @@ impl Integrator for Metropolis<'_> {
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample {
-        match &self.moved {
-            Moved::Path(path) => path.observe(ctx, pixel, raster, observer),
-            Moved::Bidirectional(both) => both.observe(ctx, pixel, raster, observer),
-            Moved::ThroughMedia(both) => both.observe(ctx, pixel, raster, observer),
+        match &self.mutated {
+            MutatedIntegrator::Path(path) => path.observe(ctx, pixel, raster, observer),
+            MutatedIntegrator::Bidirectional(both) => both.observe(ctx, pixel, raster, observer),
+            MutatedIntegrator::ThroughMedia(both) => both.observe(ctx, pixel, raster, observer),
         }
     }
 
@@ -155,7 +157,7 @@ impl Integrator for Metropolis<'_> {
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
-        let (starts, rays) = Starts::find(self.moved(), self.size, setup)?;
+        let (starts, rays) = Starts::find(self.mutated(), self.size, setup)?;
         let notes = starts.notes();
         Ok(WithState { integrator: Box::new(Chains { of: self, starts }), rays, notes })
     }
@@ -168,7 +170,7 @@ impl PixelIntegrator for Chains<'_> {
         let mut sample = PixelSample::default();
         if of.sees_surfaces() {
             let before = ctx.splats.as_slice().len();
-            sample.first = of.moved().sample(ctx, pixel, raster).first;
+            sample.first = of.mutated().sample(ctx, pixel, raster).first;
             ctx.splats.truncate(before);
         }
         if let Some(block) = of.block(pixel) {
@@ -182,7 +184,7 @@ impl Chains<'_> {
     /// Runs the chain of a block for one sample: as many mutations as it has pixels.
     fn run(&self, ctx: &mut SampleContext<'_>, block: [u32; 2], mutations: u32) {
         let Some(start) = self.starts.draw(ctx.seed, block, ctx.index) else { return };
-        let mut evaluation = Evaluation::of(self.of.moved(), self.of.size, ctx);
+        let mut evaluation = Evaluation::of(self.of.mutated(), self.of.size, ctx);
         let mut chain = Chain::new(start, &mut evaluation);
         let b = self.starts.brightness();
         for m in 0..mutations {

@@ -1,4 +1,4 @@
-//! The integrator that moves samples of others.
+//! Settings of Metropolis light transport.
 
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
@@ -12,7 +12,7 @@ use crate::{LayerSet, PixelIntegrator};
 /// Options of [`Metropolis`].
 #[derive(Clone, Copy, Debug)]
 pub struct MetropolisSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
+    /// Maximum number of scattering events of a path; 0 is direct illumination only.
     pub bounces: u32,
     /// How lights are chosen for a point.
     pub light_choice: LightChoice,

@@ -29,7 +29,12 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// Takes the samples, fewer for pictures of less than 512 pixels.
+    /// Takes `N` independent samples, fewer for pictures of less than 512 pixels. The integral of the importance `I` over all primary samples is
+    /// estimated by its mean, and the standard error of that is `sqrt(Var I / N)`:
+    ///
+    /// ```text
+    /// b = 1/N sum of I(u_i),    u_i uniform in the unit cube                       [Kelemen et al. 2002]
+    /// ```
     ///
     /// # Errors
     /// [`SetupError`]

@@ -29,7 +29,7 @@ impl PixelIntegrator for Small<'_> {
     }
 
     fn with_state<'a>(&'a self, _: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
-        let (starts, rays) = Starts::of_samples(FEW, self.0.moved(), self.0.size, setup)?;
+        let (starts, rays) = Starts::of_samples(FEW, self.0.mutated(), self.0.size, setup)?;
         Ok(WithState { integrator: Box::new(Chains { of: &self.0, starts }), rays, notes: Vec::new() })
     }
 }
@@ -258,11 +258,11 @@ fn what_cannot_be_is_said() {
         camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0)
     ));
     let integrator = chains(&dark, 3, false);
-    let (starts, rays) = Starts::of_samples(500, integrator.0.moved(), SIZE, &setup(0)).unwrap();
+    let (starts, rays) = Starts::of_samples(500, integrator.0.mutated(), SIZE, &setup(0)).unwrap();
     assert!(starts.notes()[0].contains("none of 500 samples") && rays.camera == 500);
     assert_eq!(starts.draw(0, [0, 0], 0), None);
     assert_eq!(means(&integrator, 1, 0), [0.0; 5]);
     let poor = Setup { memory: 10, ..setup(0) };
-    let refused = Starts::of_samples(500, integrator.0.moved(), SIZE, &poor).err().unwrap();
+    let refused = Starts::of_samples(500, integrator.0.mutated(), SIZE, &poor).err().unwrap();
     assert!(refused.to_string().contains("8000 bytes"), "{refused}");
 }

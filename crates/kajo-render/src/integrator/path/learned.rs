@@ -3,6 +3,16 @@
 //! Before the picture is made, paths are followed through all of it, and each light that is drawn along them is noted with whether anything of it
 //! arrives. The first of them choose lights by importance, the others by what these have found: where all light but that of one emitter in a thousand is
 //! kept off by walls, that one is hardly drawn before.
+//!
+//! The estimator of the picture is the path tracer's, with another probability of a light. For each light that is drawn this is
+//!
+//! ```text
+//! P = 0.1 product of s + 0.9 product of t
+//! ```
+//!
+//! over the steps from the root of the tree to the light, with the probabilities `s` by importance and `t` by importance times what was learned to arrive: a discrete
+//! probability, which the density of the position on the light is multiplied by. Tables are fixed before the first sample of the picture is taken, so the estimate
+//! is unbiased whatever they say, and it does not depend on threads.
 
 use std::ops::Range;
 
@@ -66,15 +76,15 @@ fn learn(path: &Path<'_>, setup: &Setup<'_>) -> Result<(LightVisibility, RayCoun
     let [width, height] = path.view.size.map(u64::from);
     let tasks = (width * height * PATHS_PER_PIXEL).clamp(PATHS[0], PATHS[1]) / TASK;
     let mut draws = Vec::new();
-    let mut rays = follow(path, setup, 0..tasks / FIRST, LightSelection::Tree, &mut draws)?;
+    let mut rays = train(path, setup, 0..tasks / FIRST, LightSelection::Tree, &mut draws)?;
     let visibility = sampler.learn(draws.clone());
     let by_these = LightSelection::Learned(&visibility);
-    rays += follow(path, setup, tasks / FIRST..tasks, by_these, &mut draws)?;
+    rays += train(path, setup, tasks / FIRST..tasks, by_these, &mut draws)?;
     Ok((sampler.learn(draws), rays))
 }
 
-/// Follows the paths of some tasks; adds the lights that they draw.
-fn follow(
+/// Follows the training paths of some tasks; adds the lights that they draw.
+fn train(
     path: &Path<'_>,
     setup: &Setup<'_>,
     tasks: Range<u64>,

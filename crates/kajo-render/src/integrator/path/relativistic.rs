@@ -15,6 +15,10 @@
 //!
 //! Light is drawn in the frame of the emitter for the event of the receiver there: what the emitter sends to it left at the retarded moment, which
 //! is no other for the emitter at rest. A shadow ray is light too, tested in every frame.
+//!
+//! Direct light is a sum over frames: at each vertex the integral over directions of the light of each frame's emitters is estimated by one of them, drawn with the
+//! density `q` per solid angle of the vertex's frame, and weighed against the density `p` of scattering by the power heuristic as in path tracing. Light of
+//! one emitter belongs to one term, so light that the path hits is weighed against the draw in the emitter's own frame.
 
 use kajo_color::{Spectrum, sensor};
 use kajo_core::bsdf::{Bsdf, Transport};
@@ -200,7 +204,7 @@ struct Drawn {
     /// Density per solid angle there, and of the choice.
     pdf: f32,
     is_delta: bool,
-    /// The way to it, from clear of the surface, in the frame of the receiver and in that of the emitter.
+    /// The segment to it, from clear of the surface, in the frame of the receiver and in that of the emitter.
     here: LightRay,
     there: LightRay,
 }
@@ -375,6 +379,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
             group: scene.lighting.sampler.group(chosen.light),
             wi,
             radiance: li.radiance * factor,
+            // p(ω) = D^2 p'(ω'); the choice of the light is a probability in any frame.
             pdf: li.pdf * chosen.probability * doppler * doppler,
             is_delta: li.is_delta,
             here,
@@ -431,7 +436,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         }
     }
 
-    /// The weight of light that the path met by its own scattering, as that of the path tracer. Densities are those at the vertex
+    /// The MIS weight of light that the path hit, as that of the path tracer. Densities are those at the vertex
     /// before.
     ///
     /// * `at`: the point of the light, in the path's frame
@@ -452,6 +457,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
                 } else {
                     0.0
                 };
+                // [Veach 1997, eq. 9.15], both densities per solid angle of the frame of the vertex before.
                 power_heuristic(path.path.pdf, choice * pdf_li * path.since_vertex * path.since_vertex)
             }
         }
@@ -477,7 +483,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         }
     }
 
-    /// Adds light that the path has met.
+    /// Adds light that the path has hit.
     fn add_hit(&mut self, path: &FramePath<'_>, light: Spectrum, group: LightGroup) {
         self.observer.found(|| sensor::to_rgb(light, &path.path.state.wavelengths));
         self.add(path, light, group);

@@ -15,7 +15,7 @@ use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_math::rng::mix;
 
-use crate::integrator::bidir::{Clear, light_end, sample_emitted, shade_one_way};
+use crate::integrator::bidir::{NoMedia, light_end, sample_emitted, shade_one_way};
 use crate::integrator::photon_map::{Arrival, Photon};
 use crate::integrator::transport::{Event, SurfaceInteraction, advance, pass_straight};
 use crate::trail::{Counting, PathObserver};
@@ -115,7 +115,7 @@ impl<'a> Emission<'a> {
             let begin = task * PATHS_A_TASK;
             let end = begin.saturating_add(PATHS_A_TASK).min(self.paths);
             let mut batch = PhotonBatch::default();
-            (begin..end).for_each(|i| self.follow([k, i], setup.seed, wavelengths, wanted, &mut batch));
+            (begin..end).for_each(|i| self.emit_path([k, i], setup.seed, wavelengths, wanted, &mut batch));
             // All of them are copied once.
             let bytes = 2 * (batch.photons.len() + batch.caustics.len()) * size_of::<Photon>();
             let kept = kept.fetch_add(bytes as u64, std::sync::atomic::Ordering::Relaxed) + bytes as u64;
@@ -140,7 +140,7 @@ impl<'a> Emission<'a> {
     }
 
     /// Follows path `i` of map `k`.
-    fn follow(
+    fn emit_path(
         &self,
         [k, i]: [u32; 2],
         seed: u64,
@@ -171,7 +171,7 @@ impl<'a> Emission<'a> {
             if std::mem::take(&mut is_first) {
                 path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.at.p()));
             }
-            let vertex = path.vertex::<Clear>(scene, &surface, bsdf, LightGroup::default());
+            let vertex = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
             if !bsdf.is_delta() {
                 let is_caustic = is_clear && is_held_up;
                 let arrival = Arrival {

@@ -1,4 +1,18 @@
 //! Paths from the camera, and what they take from the maps.
+//!
+//! At a vertex `x` of such a path, with the throughput `beta`, the light of the map is a density estimate: a sum over the `N` photons that lie
+//! within `r` of `x` in the tangent plane. Photons are distributed by area with the density `N / (pi r^2)`, and each carries the power `Φ_j` that came from `wi_j`,
+//!
+//! ```text
+//! L = beta / (pi r^2)  sum over |x_j - x| < r  of  f(wo, wi_j) Φ_j                              [Jensen 2001, eq. 7.6]
+//! L = beta (k - 1) / (k pi r_k^2)  sum over the k nearest  of  f(wo, wi_j) Φ_j
+//! ```
+//!
+//! The second one is unbiased where the density is the same all around [Loftsgaarden and Quesenberry 1965]; the first one is what progressive photon mapping
+//! sums, with the radius of its pass. The measure is area on the true surface, so `f |cos|` is divided by the cosine of the geometric normal.
+//!
+//! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid angle, with the power heuristic;
+//! light of one kind is taken either from a map or from these.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
@@ -9,7 +23,7 @@ use kajo_core::settings::PhotonMapUse;
 use kajo_math::Vec3;
 
 use super::{Maps, NEIGHBOURS, Photons};
-use crate::integrator::bidir::{Clear, Subpath, Vertex, shade_one_way};
+use crate::integrator::bidir::{NoMedia, Subpath, Vertex, shade_one_way};
 use crate::integrator::path::power_heuristic;
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
@@ -33,7 +47,7 @@ pub struct Gatherer<'a, O> {
     pub scratch: NearestScratch,
 }
 
-/// The last vertex from which the path went on in a direction that was drawn among many.
+/// The last vertex that is not specular.
 #[derive(Clone, Copy)]
 struct From {
     receiver: Receiver,
@@ -43,17 +57,17 @@ struct From {
     has_caustics: bool,
 }
 
-/// What becomes of light at a vertex.
+/// From what the light of a vertex is estimated.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
-    /// All is taken from the map; mirrors that the surface has are followed.
-    Shown,
-    /// A light is drawn, the rest is taken from the map; mirrors are followed.
-    Lit,
-    /// A light is drawn, caustics are taken from the map, and the path goes on.
-    Gathers,
-    /// A light is drawn, and the path goes on.
-    Passes,
+    /// All of it from the map; the path goes on by specular lobes only.
+    FromMap,
+    /// Direct light by next-event estimation, the rest from the map; the path goes on by specular lobes only.
+    DirectAndMap,
+    /// Direct light by next-event estimation, caustics from the map, the rest by the path (final gathering).
+    DirectAndCaustics,
+    /// Direct light by next-event estimation, the rest by the path.
+    Direct,
 }
 
 impl<'a, O: PathObserver> Gatherer<'a, O> {
@@ -99,7 +113,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             if is_last {
                 return;
             }
-            let z = path.vertex::<Clear>(scene, &surface, bsdf, LightGroup::default());
+            let z = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
             if !self.scatter(&mut path, &z, (&surface, length), &mut from) {
                 return;
             }
@@ -122,18 +136,20 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             self.albedo = Some(z.bsdf.albedo(z.local(z.wo).wo));
         }
         let role = self.role(z, surface.length, from.as_ref());
-        let goes_on = matches!(role, Role::Gathers | Role::Passes);
-        if role != Role::Shown {
+        let goes_on = matches!(role, Role::DirectAndCaustics | Role::Direct);
+        if role != Role::FromMap {
             self.add_direct_light(&mut path.state, z, goes_on);
         }
         let photons = self.photons;
         match (&photons.maps, role) {
-            (_, Role::Passes) => {}
+            (_, Role::Direct) => {}
             (Maps::Progressive { indirect, radius }, _) => {
                 let pixel = self.footprint[0] + length * self.footprint[1];
                 self.add_disk(&path.state, z, indirect, radius.at(pixel));
             }
-            (Maps::Fixed { caustics, .. }, Role::Gathers) => self.add_nearest(&path.state, z, caustics),
+            (Maps::Fixed { caustics, .. }, Role::DirectAndCaustics) => {
+                self.add_nearest(&path.state, z, caustics)
+            }
             (Maps::Fixed { all, .. }, _) => self.add_nearest(&path.state, z, all),
         }
         let receiver = z.receiver(path.state.ray.time);
@@ -142,8 +158,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let is_mirrored = !path.state.connectable;
         if !is_mirrored {
-            let has_caustics = role == Role::Gathers;
-            *from = Some(From { receiver, pdf: path.departure.pdf, has_caustics });
+            let has_caustics = role == Role::DirectAndCaustics;
+            *from = Some(From { receiver, pdf: path.last.pdf, has_caustics });
         }
         goes_on || is_mirrored
     }
@@ -153,16 +169,16 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// * `length`: of the last segment
     fn role(&self, z: &Vertex<'_>, length: f32, from: Option<&From>) -> Role {
         match &self.photons.maps {
-            Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::Shown,
-            _ if !z.bsdf.is_broad() => Role::Passes,
-            Maps::Progressive { .. } => Role::Lit,
+            Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::FromMap,
+            _ if !z.bsdf.is_broad() => Role::Direct,
+            Maps::Progressive { .. } => Role::DirectAndMap,
             // Nearby surfaces are seen too sharply for the disks of a map; there one more ray is cast.
             Maps::Fixed { usage: PhotonMapUse::Gather, all, .. }
                 if from.is_some_and(|from| from.has_caustics) && length > all.largest_radius() =>
             {
-                Role::Shown
+                Role::FromMap
             }
-            Maps::Fixed { .. } => Role::Gathers,
+            Maps::Fixed { .. } => Role::DirectAndCaustics,
         }
     }
 
@@ -172,14 +188,15 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         self.radiance = [0, 1, 2].map(|i| self.radiance[i] + rgb[i]);
     }
 
-    /// The photons of a disk.
+    /// The photons of a disk of radius `r`: `beta / (pi r^2) sum f Φ` [Jensen 2001, eq. 7.6].
     fn add_disk(&mut self, state: &PathState<'_>, z: &Vertex<'_>, map: &PhotonMap, r: f32) {
         let mut sums = Sums::new(self.most_scatterings(state));
         map.within(&gather_point(z), r, |photon| sums.add(z, photon));
+        // [Jensen 2001, eq. 7.6]
         self.add_sums(state, sums, (std::f32::consts::PI * r * r).recip());
     }
 
-    /// The nearest photons.
+    /// The `k` nearest photons: `beta (k - 1) / (k pi r_k^2) sum f Φ`.
     fn add_nearest(&mut self, state: &PathState<'_>, z: &Vertex<'_>, map: &PhotonMap) {
         if map.is_empty() {
             return;
@@ -207,7 +224,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         self.photons.settings.bounces.saturating_sub(state.scatterings)
     }
 
-    /// The weight of light that the path met.
+    /// The MIS weight of light that the path hit: `p^2 / (p^2 + q^2)` of the density `p` per solid angle with which it went there and the
+    /// density `q` of drawing the light at the vertex before [Veach 1997, eq. 9.15]; 0 for a caustic that was taken from a map.
     ///
     /// * `at`: the point of the light
     /// * `d`: unit direction in which the path came to it
@@ -252,7 +270,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         self.add(light, &state.wavelengths);
     }
 
-    /// A light drawn for a vertex, `f |cos| T V Le / q`.
+    /// Next-event estimation at a vertex: the integral over directions of `f |cos| Li`, by one direction drawn with the density `q` per solid
+    /// angle, is `f |cos| T V Le w / q` with the weight `w = q^2 / (p^2 + q^2)` [Veach 1997, eq. 9.15].
     ///
     /// * `may_meet`: whether the path goes on and may meet the light, so that both count by the power heuristic
     fn add_direct_light(&mut self, state: &mut PathState<'_>, z: &Vertex<'_>, may_meet: bool) {

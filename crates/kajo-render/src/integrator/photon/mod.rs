@@ -22,7 +22,14 @@
 //! from a point whose caustics were taken from the map is left out. Where surfaces are glossy, a few directions say more than
 //! photons; there paths go on.
 //!
-//! In pass `i` of progressive photon mapping, with `a = 2/3`,
+//! Progressive photon mapping takes the mean of `n` passes,
+//!
+//! ```text
+//! L = 1/n sum over i = 1 .. n  of  L_i,       L_i = 1/(pi r_i^2) sum over the photons of pass i in the disk  of  f Φ_j
+//! ```
+//!
+//! each an independent estimate by a map of its own, of `N` paths whose power is divided by `N`, one sample of each pixel for each map. In pass `i`,
+//! with `a = 2/3`,
 //!
 //! ```text
 //! r_{i+1}^2 / r_i^2 = (i + a) / (i + 1)                            [Knaus and Zwicker 2011, eq. 19]
@@ -105,6 +112,7 @@ impl Radius {
     fn of_pass(k: u32, paths: u32, world: &BoundingSphere) -> Radius {
         // Spread evenly over the sphere around the scene, about one photon would lie in the smallest disk.
         let least = world.radius * (4.0 / paths as f32).sqrt();
+        // r_{k+1} / r_1: the root of the product of all ratios [Knaus and Zwicker 2011, eq. 19].
         let share: f64 = (1..=k).map(|i| (f64::from(i) + ALPHA) / (f64::from(i) + 1.0)).product();
         Radius { bounds: [least, least.max(0.01 * world.radius)], share: share.sqrt() as f32 }
     }

@@ -14,7 +14,7 @@ use crate::{LayerSet, PixelIntegrator};
 /// Options of [`PhotonMapping`].
 #[derive(Clone, Copy, Debug)]
 pub struct PhotonSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
+    /// Maximum number of scattering events of a path; 0 is direct illumination only.
     pub bounces: u32,
     /// Paths from lights that the photons of one map are left by, at least 1.
     pub photons: u32,

@@ -1,4 +1,13 @@
-//! Collisions with the particles of a medium along a ray, and what of light is left along one.
+//! Collisions with the particles of a medium along a ray, and its transmittance.
+//!
+//! What is estimated is radiance along a ray in a medium that scatters and emits,
+//!
+//! ```text
+//! L = integral of  T(t) sigma_s d(t) (integral of p(wo, wi) Li(wi) dwi)  dt  +  integral of  T(t) e(t) dt  +  T(s) L(s)
+//! ```
+//!
+//! over the distance `t` to the next surface at `s`: the first one by sampling `t` (a collision that scatters), the second at one point of each stretch without
+//! a collision, the third where the path arrives.
 //!
 //! Free paths are drawn by null collisions [Woodcock et al. 1965]: to a medium of density `d` one of particles that do nothing is
 //! added, so that there are `m >= d` everywhere, the majorant. Collisions of that are exponential, and one at a point of
@@ -29,7 +38,7 @@
 //!
 //! What a medium gives of its own is found by paths from the camera alone, on each stretch that they go without a collision.
 //!
-//! Several media in one place are for `overlap.rs`.
+//! Media that overlap are for `overlap.rs`.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
@@ -52,9 +61,9 @@ pub struct MediumInteraction<'a> {
     pub p: Vec3,
     /// Unit direction back along the path.
     pub wo: Vec3,
-    /// Where to light is scattered.
+    /// Phase function there.
     pub phase: &'a Phase,
-    /// Length of the way from the last event.
+    /// Length along the path since the last event.
     pub length: f32,
     /// Moment within the shutter interval.
     pub time: f32,
@@ -100,7 +109,7 @@ impl PathState<'_> {
         self.wavelengths.mean(densities)
     }
 
-    /// Follows the hero's wavelength alone from here on, where paths of the others would take other ways.
+    /// Follows the hero's wavelength alone from here on, where paths of the others would take other directions.
     pub fn end_secondary_wavelengths(&mut self) {
         self.wavelengths.terminate_secondary();
         if self.carries_media {
@@ -110,7 +119,7 @@ impl PathState<'_> {
 }
 
 /// A medium along a ray, at the wavelengths of a path.
-pub(super) struct Stretch<'a> {
+pub(super) struct MediumAlongRay<'a> {
     scene: &'a Scene,
     pub(super) medium: MediumId,
     pub(super) sigma_s: Spectrum,
@@ -118,8 +127,8 @@ pub(super) struct Stretch<'a> {
     hero: usize,
 }
 
-/// What collisions are drawn in, by majorants.
-pub(super) trait Matter {
+/// A medium, or several, as null-collision sampling sees it: coefficients and majorants along a ray.
+pub(super) trait NullCollisionMedium {
     /// How much there is of it at most.
     type Most;
 
@@ -143,7 +152,7 @@ pub(super) struct Span<M> {
     pub(super) most: M,
 }
 
-impl Matter for Stretch<'_> {
+impl NullCollisionMedium for MediumAlongRay<'_> {
     type Most = f32;
 
     #[inline]
@@ -171,17 +180,17 @@ impl Matter for Stretch<'_> {
     }
 }
 
-impl<'a> Stretch<'a> {
+impl<'a> MediumAlongRay<'a> {
     pub(super) fn new(
         scene: &'a Scene,
         medium: MediumId,
         wavelengths: &Wavelengths,
         hero: u32,
-    ) -> Stretch<'a> {
+    ) -> MediumAlongRay<'a> {
         let coefficients = scene.appearance.media.coefficients(medium);
         let sigma_s = coefficients.sigma_s(wavelengths);
         let sigma_t = sigma_s + coefficients.sigma_a(wavelengths);
-        Stretch { scene, medium, sigma_s, sigma_t, hero: hero as usize }
+        MediumAlongRay { scene, medium, sigma_s, sigma_t, hero: hero as usize }
     }
 
     pub(super) fn majorants(&self, ray: &Ray) -> Majorants<'a> {
@@ -190,7 +199,7 @@ impl<'a> Stretch<'a> {
 
     /// `T[i]` over a length with a density.
     fn transmittance_at(&self, density: f32, length: f32) -> Spectrum {
-        // Nothing absorbs nothing over any length.
+        // A lane without extinction transmits everything over an infinite length too, where 0 times infinity would be no number.
         (self.sigma_t * -(density * length).min(f32::MAX)).exp()
     }
 
@@ -205,7 +214,7 @@ impl<'a> Stretch<'a> {
     }
 }
 
-/// Called along a ray, from collision to collision.
+/// What happens along a ray, from collision to collision.
 pub(super) trait CollisionVisitor<M> {
     /// Passes a stretch without collisions.
     ///
@@ -225,7 +234,7 @@ pub(super) trait CollisionVisitor<M> {
 ///
 /// Returns `T[i]` since the last collision where it ends at the far end of the ray.
 #[inline]
-pub(super) fn walk<M: Matter>(
+pub(super) fn walk<M: NullCollisionMedium>(
     matter: &M,
     ray: &Ray,
     draws: &mut SampleStream<'_>,
@@ -269,21 +278,21 @@ fn exponential(draws: &mut SampleStream<'_>) -> f32 {
     -fmath::ln(1.0 - draws.next_1d())
 }
 
-/// A path on its way through a medium.
-struct Travel<'a> {
-    stretch: &'a Stretch<'a>,
+/// Delta tracking of a path through a medium.
+struct DeltaTracking<'a> {
+    stretch: &'a MediumAlongRay<'a>,
     ray: &'a Ray,
     wavelengths: Wavelengths,
     is_homogeneous: bool,
     beta: Spectrum,
     lanes: LaneMis,
     scattered: Option<f32>,
-    /// Where the medium gives light that counts.
-    emission: Option<EmissionOnTheWay>,
+    /// Emission of the medium, where the path collects it.
+    emission: Option<EmissionAlongRay>,
 }
 
-/// What a medium emits towards the camera along a ray.
-struct EmissionOnTheWay {
+/// Emission of a medium along a ray, collected towards the camera.
+struct EmissionAlongRay {
     /// Radiance per unit length at the density 1.
     radiance: Spectrum,
     /// What absorbs it besides the medium: the body's own absorption.
@@ -292,7 +301,7 @@ struct EmissionOnTheWay {
     found: Spectrum,
 }
 
-impl Travel<'_> {
+impl DeltaTracking<'_> {
     /// Adds the light that the medium gives along a stretch without collisions, at one point of it drawn evenly.
     ///
     /// In the mean over the lengths of such stretches that is the integral of `T e d`, with the radiance `e` per unit length at the density
@@ -309,7 +318,7 @@ impl Travel<'_> {
         majorant: f32,
         emission_at: impl FnOnce(Vec3, Spectrum) -> Spectrum,
     ) {
-        let Some(EmissionOnTheWay { radiance, sigma_a, found }) = &mut self.emission else { return };
+        let Some(EmissionAlongRay { radiance, sigma_a, found }) = &mut self.emission else { return };
         let at = from + draws.next_1d() * (to - from);
         let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(self.ray.at(at)) };
         let t = t * self.stretch.transmittance_at(majorant, at - from);
@@ -323,7 +332,7 @@ impl Travel<'_> {
     }
 }
 
-/// What is left of a path behind a walk through media.
+/// What sampling the collisions along a ray has made of a path.
 pub(super) struct Walked {
     pub(super) beta: Spectrum,
     pub(super) lanes: LaneMis,
@@ -334,7 +343,7 @@ pub(super) struct Walked {
 }
 
 impl PathState<'_> {
-    /// Leaves the path as it is at the end of a walk.
+    /// Writes the result of sampling collisions along a ray back to the path: where it arrives, times `T[i] / T[h]` (the third row of the table above).
     ///
     /// * `arrives`: `T[i]` since the last collision, where it comes to the far end
     #[inline]
@@ -357,19 +366,19 @@ impl PathState<'_> {
     }
 }
 
-impl CollisionVisitor<f32> for Travel<'_> {
+impl CollisionVisitor<f32> for DeltaTracking<'_> {
     #[inline]
     fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: &f32) {
         self.add_emission(draws, from, to, t, *majorant, |_, emission| emission);
     }
 
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, &majorant: &f32) -> bool {
-        let Travel { stretch, is_homogeneous, beta, lanes, .. } = self;
+        let DeltaTracking { stretch, is_homogeneous, beta, lanes, .. } = self;
         let is_homogeneous = *is_homogeneous;
         let factor = stretch.collision(t);
         let real = if is_homogeneous { 1.0 } else { (stretch.density(self.ray.at(at)) / majorant).min(1.0) };
         if is_homogeneous || draws.next_1d() < real {
-            // T sigma_s / (T[h] sigma_t[h]): the collision with its albedo.
+            // First row: T[i] sigma_s[i] / (T[h] sigma_t[h]), and T[i] sigma[i] / (T[h] sigma[h]) for r_u.
             *beta *= factor * stretch.sigma_s.safe_div(stretch.sigma_t);
             let passed = if is_homogeneous { t } else { Spectrum::WHITE };
             lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
@@ -379,6 +388,7 @@ impl CollisionVisitor<f32> for Travel<'_> {
             self.scattered = Some(at);
             return true;
         }
+        // Second row: a null collision.
         *beta *= factor;
         lanes.r_u *= factor;
         lanes.r_l *= factor * (1.0 / (1.0 - real));
@@ -386,36 +396,36 @@ impl CollisionVisitor<f32> for Travel<'_> {
     }
 }
 
-/// A path on its way through a medium that emits by its temperature.
-struct HotTravel<'a> {
-    travel: Travel<'a>,
+/// The same through a medium that emits by its temperature.
+struct HotDeltaTracking<'a> {
+    tracking: DeltaTracking<'a>,
     heat: &'a Heat,
 }
 
-impl CollisionVisitor<f32> for HotTravel<'_> {
+impl CollisionVisitor<f32> for HotDeltaTracking<'_> {
     #[inline]
     fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: &f32) {
-        let (heat, wavelengths) = (self.heat, self.travel.wavelengths);
-        self.travel.add_emission(draws, from, to, t, *majorant, |p, _| heat.emission(p, &wavelengths));
+        let (heat, wavelengths) = (self.heat, self.tracking.wavelengths);
+        self.tracking.add_emission(draws, from, to, t, *majorant, |p, _| heat.emission(p, &wavelengths));
     }
 
     #[inline]
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: &f32) -> bool {
-        self.travel.collide(draws, at, t, majorant)
+        self.tracking.collide(draws, at, t, majorant)
     }
 }
 
-/// Takes a path along its ray through a medium, up to `length`; where it is scattered on the way.
+/// Samples a free path by delta tracking along the ray of a path through a medium, at most `length`; returns the collision that scatters it, if there is one.
 ///
 /// Takes a number for each collision with the majorant and, where the density varies, another one for what it is; where the medium gives
 /// light and scatters, one for each stretch between them.
-pub(super) fn travel<'a>(
+pub(super) fn sample_collision_in<'a>(
     scene: &'a Scene,
     path: &mut PathState<'_>,
     medium: MediumId,
     length: f32,
 ) -> Option<MediumInteraction<'a>> {
-    let stretch = Stretch::new(scene, medium, &path.wavelengths, path.lanes.hero);
+    let stretch = MediumAlongRay::new(scene, medium, &path.wavelengths, path.lanes.hero);
     let is_homogeneous = scene.appearance.media.is_homogeneous(medium);
     let coefficients = scene.appearance.media.coefficients(medium);
     let gives_light = path.mode == Transport::Radiance;
@@ -428,9 +438,9 @@ pub(super) fn travel<'a>(
         path.beta *= stretch.transmittance_at(1.0, length);
         return None;
     }
-    let on_the_way = |radiance| EmissionOnTheWay { radiance, sigma_a: absorption(), found: path.emitted };
+    let on_the_way = |radiance| EmissionAlongRay { radiance, sigma_a: absorption(), found: path.emitted };
     let ray = Ray { t_min: 0.0, t_max: length, ..path.ray };
-    let mut travel = Travel {
+    let mut tracking = DeltaTracking {
         stretch: &stretch,
         ray: &ray,
         wavelengths: path.wavelengths,
@@ -441,16 +451,16 @@ pub(super) fn travel<'a>(
         emission: emission.map(on_the_way),
     };
     let arrives = match coefficients.heat() {
-        None => walk(&stretch, &ray, &mut path.draws, &mut travel),
+        None => walk(&stretch, &ray, &mut path.draws, &mut tracking),
         Some(heat) => {
-            travel.emission = gives_light.then(|| on_the_way(Spectrum::WHITE));
-            let mut hot = HotTravel { travel, heat };
+            tracking.emission = gives_light.then(|| on_the_way(Spectrum::WHITE));
+            let mut hot = HotDeltaTracking { tracking, heat };
             let arrives = walk(&stretch, &ray, &mut path.draws, &mut hot);
-            travel = hot.travel;
+            tracking = hot.tracking;
             arrives
         }
     };
-    let Travel { beta, lanes, scattered, emission, .. } = travel;
+    let DeltaTracking { beta, lanes, scattered, emission, .. } = tracking;
     let emitted = emission.map(|emission| emission.found);
     path.leave_walk(
         Walked { beta, lanes, emitted, is_homogeneous, is_scattered: scattered.is_some() },
@@ -489,7 +499,8 @@ pub(super) fn emission_integral(sigma: Spectrum, length: f32) -> Spectrum {
     })
 }
 
-/// What of light comes along a segment that joins two vertices, as an estimate, and the densities of the lanes.
+/// Ratio-tracking estimate of the transmittance of a segment that joins two vertices, and the densities of the lanes `r_u` (by free paths) and `r_l` (by this) [Miller,
+/// Georgiev and Jarosz 2019].
 #[derive(Clone, Copy, Debug)]
 pub struct Passage {
     /// The share of light, times the density of what was drawn along the way with the path's hero.
@@ -531,7 +542,7 @@ impl Passage {
         hero: u32,
         draws: &mut SampleStream<'_>,
     ) {
-        let stretch = Stretch::new(scene, medium, wavelengths, hero);
+        let stretch = MediumAlongRay::new(scene, medium, wavelengths, hero);
         if scene.appearance.media.is_homogeneous(medium) {
             let t = stretch.transmittance_at(1.0, ray.t_max);
             self.t *= t;
@@ -541,7 +552,7 @@ impl Passage {
             }
             return;
         }
-        let mut tracking = Tracking { stretch: &stretch, ray, passage: *self };
+        let mut tracking = RatioTracking { stretch: &stretch, ray, passage: *self };
         let arrives = walk(&stretch, ray, draws, &mut tracking);
         *self = tracking.passage;
         self.arrive(arrives, stretch.hero);
@@ -564,14 +575,14 @@ impl Passage {
     }
 }
 
-/// A connection on its way through a medium.
-struct Tracking<'a> {
-    stretch: &'a Stretch<'a>,
+/// Ratio tracking of a segment through a medium.
+struct RatioTracking<'a> {
+    stretch: &'a MediumAlongRay<'a>,
     ray: &'a Ray,
     passage: Passage,
 }
 
-impl CollisionVisitor<f32> for Tracking<'_> {
+impl CollisionVisitor<f32> for RatioTracking<'_> {
     fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, &majorant: &f32) -> bool {
         let (factor, real) =
             (self.stretch.collision(t), (self.stretch.density(self.ray.at(at)) / majorant).min(1.0));

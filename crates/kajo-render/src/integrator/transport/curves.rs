@@ -40,7 +40,7 @@ pub enum Curve {
 /// Where the way depends on the wavelength only one is followed from here on.
 #[cold]
 #[inline(never)]
-pub fn follow(
+pub fn trace_curve(
     scene: &Scene,
     path: &mut PathState<'_>,
     medium: MediumId,

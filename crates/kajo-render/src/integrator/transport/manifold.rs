@@ -56,44 +56,44 @@ const LARGEST_TURN: f32 = 0.5;
 /// Halvings of a step before the walk is given up.
 const MOST_HALVINGS: u32 = 4;
 
-/// A chain that misses its end by so little joins both, in shares of the distance between them.
+/// Convergence threshold of Newton's method: distance by which the end is missed, over the distance of the two ends.
 const GOAL: f32 = 5e-5;
 
-/// And the turn of its first segment that is left to make is not larger than this, radians: where chains meet and vanish no turn is right.
+/// Convergence threshold on the last Newton step, radians. Near a fold of the caustic, where solutions meet and vanish, no step is that small.
 const LAST_TURN: f32 = 5e-4;
 
-/// Where rounding lets the walk come no nearer, this is near enough.
+/// Looser threshold on the missed distance, where rounding lets no step reduce it any more.
 const NEAR_ENOUGH: f32 = 2e-4;
 
-/// Directions of two chains that differ by less are those of one, radians; and where the caster is small by less than this share of it.
+/// Solutions whose directions differ by less than this, in radians, are taken for one; for small casters by less than a share of their angular extent.
 const SAME: f32 = 1e-3;
 const SAME_OF_CASTER: f32 = 0.02;
 
-/// Radians for which differentials are carried: small beside what bends surfaces.
+/// Step of the finite differences, radians: small beside the curvature of surfaces.
 const STEP: f32 = 1e-4;
 
 /// Chooses refraction wherever there is any.
 const REFRACT: f32 = 1.0f32.next_down();
 
-/// Directions in which walks may begin.
+/// Number of seed directions.
 const SEEDS: usize = 7;
 
-/// Where they lead beside the middle of a caster, in shares of its extent.
+/// Offsets of the seeds from the middle of a caster, as shares of its extent.
 const BESIDE: [f32; 4] = [0.5, -0.5, 0.85, -0.85];
 
-/// Walks begin in so many of them.
+/// Largest number of seeds that walks begin in.
 const MOST_WALKS: usize = 3;
 
-/// And not where the first step leads to a chain that has been found, but for this share of its length.
+/// A seed is skipped if its first Newton step lands within this share of the step's length of a known solution.
 const KNOWN: f32 = 0.25;
 
-/// All but the first only where their first step leads no farther than this share of the extent, as seen from the receiver.
+/// Seeds after the first are used only if their first Newton step is shorter than this share of the caster's angular extent.
 const FARTHEST_STEP: f32 = 0.6;
 
-/// Chains that are looked for by way of one caster.
+/// Largest number of solutions per caster.
 pub const MOST_CHAINS: usize = 3;
 
-/// What light comes through.
+/// The specular events of a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Via {
     /// So many smooth boundaries of clear media, which refract it.
@@ -112,7 +112,7 @@ impl Via {
     }
 }
 
-/// What chains may go by way of.
+/// Kind of a specular vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Link {
     /// A smooth boundary of clear media.
@@ -122,7 +122,7 @@ pub enum Link {
 }
 
 impl Link {
-    /// What a kind of scattering makes of a surface.
+    /// The kind of vertex that a surface with this scattering is; `None` where it is not specular.
     pub fn of(bsdf: &Bsdf<'_>) -> Option<Link> {
         match bsdf {
             Bsdf::Dielectric(_) if bsdf.is_delta() => Some(Link::Boundary),
@@ -131,7 +131,7 @@ impl Link {
         }
     }
 
-    /// What a surface is, if its normals are those of its shape and it is there in every sample.
+    /// The same for a surface whose normals are those of its shape and that is there in every sample; `None` for others, on which chains cannot be found again.
     pub fn at(
         scene: &Scene,
         surface: &SurfaceInteraction,

@@ -1,4 +1,4 @@
-//! Media in one place: what several of them do to light together.
+//! Overlapping participating media: coefficients add, and collisions are sampled in their sum.
 //!
 //! Coefficients add, `sigma = sum over k of sigma_k d_k` with the densities `d_k`, and so do majorants. Null collisions are drawn as in one
 //! medium, but the share of real ones depends on the lane. With the majorant `m[i] = sum of sigma_t,k[i] m_k`, the extinction
@@ -28,8 +28,8 @@ use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3};
 
 use super::collisions::{
-    self, CollisionVisitor, Matter, MediumInteraction, Passage, Span, Stretch, Walked, emission_integral,
-    walk,
+    self, CollisionVisitor, MediumAlongRay, MediumInteraction, NullCollisionMedium, Passage, Span, Walked,
+    emission_integral, walk,
 };
 use super::lane_mis::all_lanes;
 use super::medium_stack::{MOST_MEDIA, MediumStack};
@@ -52,13 +52,13 @@ struct Overlap<'a> {
     hero: usize,
 }
 
-/// One of them.
+/// One of several media.
 struct Part<'a> {
-    stretch: Stretch<'a>,
+    stretch: MediumAlongRay<'a>,
     coefficients: &'a Coefficients,
 }
 
-/// How much there is of them at most.
+/// Majorants of all media on a span of the ray.
 #[derive(Clone, Copy)]
 struct Most {
     densities: Densities,
@@ -66,7 +66,7 @@ struct Most {
     sigma: Spectrum,
 }
 
-/// What there is of them at a point.
+/// Coefficients of all media together at a point.
 struct Mixture {
     densities: Densities,
     /// `r`.
@@ -82,7 +82,7 @@ impl<'a> Overlap<'a> {
         let part = |medium: MaybeMedium| {
             // What bends light does nothing else to it.
             let medium = medium.get().filter(|&medium| !all.bends_light(medium))?;
-            let stretch = Stretch::new(scene, medium, wavelengths, hero);
+            let stretch = MediumAlongRay::new(scene, medium, wavelengths, hero);
             let coefficients = all.coefficients(medium);
             let acts_at_places = coefficients.scatters() || coefficients.emits();
             if !acts_at_places && (all.is_homogeneous(medium) || stretch.sigma_t.is_black()) {
@@ -186,7 +186,7 @@ struct Choice {
     ratio: Spectrum,
 }
 
-impl Matter for Overlap<'_> {
+impl NullCollisionMedium for Overlap<'_> {
     type Most = Most;
 
     fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<Most>> {
@@ -213,7 +213,7 @@ impl Matter for Overlap<'_> {
 
 /// `T[i]` over a length.
 fn transmittance(sigma: Spectrum, length: f32) -> Spectrum {
-    // Nothing absorbs nothing over any length.
+    // As for one medium: 0 times infinity would be no number.
     (sigma * -length.min(f32::MAX)).exp()
 }
 
@@ -265,8 +265,8 @@ impl Iterator for Merged<'_> {
     }
 }
 
-/// A path on its way through several media.
-struct OverlapTravel<'a> {
+/// Delta tracking of a path through several media.
+struct OverlapDeltaTracking<'a> {
     all: &'a Overlap<'a>,
     ray: &'a Ray,
     wavelengths: Wavelengths,
@@ -280,7 +280,7 @@ struct OverlapTravel<'a> {
     sigma_a: Spectrum,
 }
 
-impl CollisionVisitor<Most> for OverlapTravel<'_> {
+impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
     /// As in one medium: the light given along a stretch without collisions, at one point of it.
     fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, most: &Most) {
         let Some(emitted) = &mut self.emitted else { return };
@@ -326,12 +326,12 @@ impl CollisionVisitor<Most> for OverlapTravel<'_> {
     }
 }
 
-/// Takes the path through the medium around it, or all of them, up to `length`; where it is scattered on the way.
+/// Samples a free path through the medium around a path, or all of them, at most `length`; returns the collision that scatters it, if there is one.
 ///
 /// Takes numbers as in one medium, and one more where several are: it chooses which of them scatters.
 #[cold]
 #[inline(never)]
-pub fn travel_to<'a>(
+pub fn sample_collision<'a>(
     scene: &'a Scene,
     path: &mut PathState<'_>,
     length: f32,
@@ -339,11 +339,11 @@ pub fn travel_to<'a>(
 ) -> Option<MediumInteraction<'a>> {
     let at = if path.media.overlaps() {
         path.extent = length;
-        travel_through_all(scene, path, length)?
+        sample_collision_in_all(scene, path, length)?
     } else {
         let medium = path.media.medium()?;
         path.extent = length;
-        collisions::travel(scene, path, medium, length)?
+        collisions::sample_collision_in(scene, path, medium, length)?
     };
     path.beta *= path.media.transmittance(at.length);
     let ray = Ray { t_max: at.length, ..path.ray };
@@ -355,10 +355,10 @@ pub fn travel_to<'a>(
     Some(at)
 }
 
-/// Takes a path along its ray through all media around it, up to `length`; where it is scattered on the way.
+/// The same through all media around the path.
 ///
 /// Takes numbers as in one medium, and one more that chooses which of them scatters.
-fn travel_through_all<'a>(
+fn sample_collision_in_all<'a>(
     scene: &'a Scene,
     path: &mut PathState<'_>,
     length: f32,
@@ -375,7 +375,7 @@ fn travel_through_all<'a>(
         path.beta *= transmittance(all.sigma_t + all.absorption, length);
         return None;
     }
-    let mut travel = OverlapTravel {
+    let mut tracking = OverlapDeltaTracking {
         all: &all,
         ray: &ray,
         wavelengths: path.wavelengths,
@@ -385,8 +385,8 @@ fn travel_through_all<'a>(
         emitted: gives_light.then_some(path.emitted),
         sigma_a,
     };
-    let arrives = walk(&all, &ray, &mut path.draws, &mut travel);
-    let OverlapTravel { beta, lanes, scattered, emitted, .. } = travel;
+    let arrives = walk(&all, &ray, &mut path.draws, &mut tracking);
+    let OverlapDeltaTracking { beta, lanes, scattered, emitted, .. } = tracking;
     let is_homogeneous = all.is_homogeneous;
     path.leave_walk(
         Walked { beta, lanes, emitted, is_homogeneous, is_scattered: scattered.is_some() },
@@ -422,21 +422,21 @@ impl Passage {
             }
             return;
         }
-        let mut tracking = OverlapTracking { all: &all, ray, passage: *self };
+        let mut tracking = OverlapRatioTracking { all: &all, ray, passage: *self };
         let arrives = walk(&all, ray, draws, &mut tracking);
         *self = tracking.passage;
         self.arrive(arrives, all.hero);
     }
 }
 
-/// A connection on its way through several media.
-struct OverlapTracking<'a> {
+/// Ratio tracking of a segment through several media.
+struct OverlapRatioTracking<'a> {
     all: &'a Overlap<'a>,
     ray: &'a Ray,
     passage: Passage,
 }
 
-impl CollisionVisitor<Most> for OverlapTracking<'_> {
+impl CollisionVisitor<Most> for OverlapRatioTracking<'_> {
     fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
         let Mixture { null, .. } = self.all.at(self.ray.at(at), most);
         let hero = t[self.all.hero] * most.sigma[self.all.hero];

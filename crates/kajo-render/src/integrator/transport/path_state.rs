@@ -19,8 +19,8 @@ pub struct PathState<'s> {
     /// Throughput: what later light is multiplied by, or for a path from a light the power that it carries, each over
     /// the density of the path so far.
     pub beta: Spectrum,
-    /// Makes of `beta` the share that is left of what the path began with: without the squeezing of radiance at
-    /// interfaces, which a later one undoes.
+    /// `beta * eta_scale` is the throughput relative to the initial one and without the factors `1/eta^2` of radiance at interfaces, which cancel when
+    /// the path leaves the body again. Russian roulette goes by it.
     pub eta_scale: f32,
     /// Which end the path began at.
     pub mode: Transport,
@@ -30,21 +30,21 @@ pub struct PathState<'s> {
     pub draws: SampleStream<'s>,
     /// How often it was scattered.
     pub scatterings: u32,
-    /// Rays that were followed for it.
+    /// Number of rays traced for the path so far, at most [`MOST_SURFACES`](super::steps::MOST_SURFACES).
     pub surfaces: u32,
-    /// Whether the segment at hand could also have been found by joining its two ends: both scatter into more than single
-    /// directions, and nothing on the way would hold up a [`super::connect`].
+    /// Whether next-event estimation or a connection could have sampled the current segment: the last vertex is not specular, and no interface was
+    /// crossed since that a [`super::connect`] does not pass. If not, emission that the segment hits counts in full.
     pub connectable: bool,
     /// How the ray differs from those of neighbouring samples, where textures ask for that: at its origin, and from a surface on
     /// until it is left at that surface.
     pub differential: Option<RayDifferential>,
     /// Whether media absorb and scatter it; else it goes through them as if they were nothing.
     pub carries_media: bool,
-    /// What distances in media were drawn by.
+    /// Densities of the distances sampled in media, lane by lane.
     pub lanes: LaneMis,
-    /// Light that media gave on the way to the camera since it was taken last.
+    /// Emission of media along the path, times `beta`, since it was taken last.
     pub emitted: Spectrum,
-    /// How far the ray that was followed last reached through a medium, or would have without a collision.
+    /// Length of the last ray to the next surface, infinite if there is none, also where a collision came before.
     pub extent: f32,
 }
 

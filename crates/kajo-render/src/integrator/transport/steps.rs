@@ -10,7 +10,7 @@ use kajo_math::{Ray, Vec2, Vec3};
 
 use super::arrival::{TracedSegment, arrive};
 use super::curves::{self, Curve};
-use super::overlap::travel_to;
+use super::overlap::sample_collision;
 use super::{MediumInteraction, PathState, SurfaceInteraction, differentials};
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -65,7 +65,7 @@ pub fn extend<'a>(
     if scene.space() == Space::Curved
         && let Some((medium, body)) = path.media.curved(scene)
     {
-        match curves::follow(scene, path, medium, body, surface, observer) {
+        match curves::trace_curve(scene, path, medium, body, surface, observer) {
             Curve::Meets => return Event::Surface,
             Curve::Ends => return Event::Absorbed,
             Curve::GoesOn => {}
@@ -74,7 +74,8 @@ pub fn extend<'a>(
     let at = &mut surface.at;
     let hits = scene.trace_into(None, &path.ray, at);
     if path.carries_media
-        && let Some(collision) = travel_to(scene, path, if hits { at.hit.t } else { f32::INFINITY }, observer)
+        && let Some(collision) =
+            sample_collision(scene, path, if hits { at.hit.t } else { f32::INFINITY }, observer)
     {
         return Event::Medium(collision);
     }

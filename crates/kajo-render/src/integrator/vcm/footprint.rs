@@ -7,7 +7,7 @@ use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_math::Vec2;
 
 use crate::SampleContext;
-use crate::integrator::bidir::{Clear, Subpath, shade_one_way};
+use crate::integrator::bidir::{NoMedia, Subpath, shade_one_way};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{Event, PathState, SurfaceInteraction, advance, pass_straight};
 use crate::trail::Counting;
@@ -57,7 +57,7 @@ fn size_at(view: &CameraView<'_>, place: [u32; 2]) -> Option<f32> {
         if !bsdf.is_delta() {
             return Some(ray.o.distance(beside.o) + length * ray.d.distance(beside.d));
         }
-        let vertex = path.vertex::<Clear>(scene, &surface, bsdf, LightGroup::default());
+        let vertex = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
         if path.state.scatterings == MOST_MIRRORS || !path.scatter(&vertex, &surface, false, &mut counting) {
             break;
         }

@@ -27,7 +27,9 @@ use kajo_math::Vec2;
 use kajo_math::rng::Stream;
 
 use super::Integrator;
-use super::bidir::{Bidirectional, BidirectionalSettings, Clear, Filled, MergePass, Merging, ReusedVolume};
+use super::bidir::{
+    Bidirectional, BidirectionalSettings, MergePass, Merging, NoMedia, ReusedVolume, WithMedia,
+};
 use super::camera_view::CameraView;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Setup, SetupError, WithState};
@@ -43,7 +45,7 @@ const FIRST_MOMENTS: f32 = 16.0;
 const WAVELENGTH_SALT: u64 = 0x7663_6d6c_616d;
 
 /// Vertex connection and merging over one scene and one picture size.
-pub struct VertexMerging<'a, V = Clear> {
+pub struct VertexMerging<'a, V = NoMedia> {
     connecting: Bidirectional<'a, V>,
     view: CameraView<'a>,
     settings: VertexMergingSettings,
@@ -66,8 +68,8 @@ fn integrator_of<'a>(
     layers: LayerSet,
 ) -> Box<dyn PixelIntegrator + 'a> {
     match scene.has_media() {
-        false => Box::new(VertexMerging::<Clear>::made(camera, scene, settings, size, layers)),
-        true => Box::new(VertexMerging::<Filled>::made(camera, scene, settings, size, layers)),
+        false => Box::new(VertexMerging::<NoMedia>::made(camera, scene, settings, size, layers)),
+        true => Box::new(VertexMerging::<WithMedia>::made(camera, scene, settings, size, layers)),
     }
 }
 

@@ -13,7 +13,7 @@ use crate::{LayerSet, PixelIntegrator};
 /// Options of [`super::VertexMerging`].
 #[derive(Clone, Copy, Debug)]
 pub struct VertexMergingSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
+    /// Maximum number of scattering events of a path; 0 is direct illumination only.
     pub bounces: u32,
     /// Paths from lights whose vertices are kept for a sample of all pixels, at least 1.
     pub photons: u32,

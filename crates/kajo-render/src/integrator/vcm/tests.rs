@@ -195,7 +195,7 @@ fn radii_shrink_as_they_should() {
     let camera = &scene.output.camera;
     let radius = |alpha: f32, k: u32| {
         let settings = VertexMergingSettings { radius: 0.25, alpha, ..with(1000) };
-        VertexMerging::<Clear>::made(camera, &scene, settings, [8, 8], LayerSet::of(&[])).pass(k, 0).radius
+        VertexMerging::<NoMedia>::made(camera, &scene, settings, [8, 8], LayerSet::of(&[])).pass(k, 0).radius
     };
     // i^(-1/8) and i^(-1/2).
     for (alpha, k, expected) in [(0.75, 0, 0.25), (0.75, 255, 0.125), (0.0, 99, 0.025), (1.0, 5000, 0.25)] {
@@ -210,7 +210,7 @@ fn the_first_radius_follows_the_pixels() {
         let scene = scene(text);
         let settings = VertexMergingSettings { photons: 10_000_000, ..with(1) };
         let camera = &scene.output.camera;
-        VertexMerging::<Clear>::made(camera, &scene, settings, [side; 2], LayerSet::of(&[])).first_radius
+        VertexMerging::<NoMedia>::made(camera, &scene, settings, [side; 2], LayerSet::of(&[])).first_radius
     };
     let wall = "Materials { Matte m { } Metal mirror { } } Group { MaterialIndex m Quad { corner -4 -4 -1 edge1 8 0 0 edge2 0 8 0 }";
     let ahead = format!("{} {wall} }}", camera([0.0, 0.0, 3.0], [0.0; 3], 20.0));

@@ -26,8 +26,8 @@ fn ways_merging(
     merging: Option<(u32, f32)>,
 ) -> Ways {
     match scene.has_media() {
-        false => ways_of::<Clear>(scene, settings, samples, merging),
-        true => ways_of::<Filled>(scene, settings, samples, merging),
+        false => ways_of::<NoMedia>(scene, settings, samples, merging),
+        true => ways_of::<WithMedia>(scene, settings, samples, merging),
     }
 }
 

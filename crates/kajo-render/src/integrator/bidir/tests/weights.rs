@@ -106,7 +106,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Techn
             scene.sample_le(chosen.light, 0.0, numbers, &wavelengths, world).expect("light that leaves");
         let ray = it.view.ray(place, &mut draws).expect("a ray");
         let mut views: Vec<(Vertex, Vec3)> = Vec::new();
-        let departure = subpath::Departure {
+        let last = subpath::LastVertex {
             p: ray.o,
             pdf: 1.0,
             is_parallel: true,
@@ -123,7 +123,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Techn
             MediumStack::default(),
             draws,
         );
-        let mut path_from_camera = Subpath { state: PathState { connectable: true, ..state }, departure };
+        let mut path_from_camera = Subpath { state: PathState { connectable: true, ..state }, last };
         let (mut surface, mut first, mut counting) =
             (SurfaceInteraction::default(), None, Counting::default());
         let mut pdf_camera = 0.0;
@@ -135,7 +135,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Techn
             }
             if views.is_empty() {
                 pdf_camera = it.view.pdf_across(&ray, surface.at.point.p).expect("a camera");
-                path_from_camera.departure.pdf = weighted_pdf_across(pdf_camera);
+                path_from_camera.last.pdf = weighted_pdf_across(pdf_camera);
             }
             let bsdf = shade(&scene, &path_from_camera.state, &surface);
             let mut z = path_from_camera.vertex(&scene, &surface, bsdf, LightGroup::default());
