@@ -47,10 +47,7 @@ impl Scene {
         let mut passed = Spectrum::WHITE;
         let blocked = self.occluded_or(None, segment, |object, hit| {
             let at = self.interaction(segment, object, hit);
-            let context = self.texture_context(&at);
-            let point = ShadingPoint { context, wavelengths, eta_outside: eta, u: 0.0 };
-            let cos = at.crossing_cosine(segment.d);
-            passed *= self.appearance.passage(at.material, &point, cos);
+            passed *= self.passage(&at, eta, wavelengths, at.crossing_cosine(segment.d));
             passed.is_black()
         });
         if blocked { Spectrum::BLACK } else { passed }
@@ -61,6 +58,7 @@ impl Scene {
     ///
     /// * `eta`: index of refraction of the medium around
     /// * `cos`: of the angle between light and normal
+    #[inline]
     pub fn passage(&self, at: &Interaction, eta: f32, wavelengths: &Wavelengths, cos: f32) -> Spectrum {
         let context = self.texture_context(at);
         let point = ShadingPoint { context, wavelengths, eta_outside: eta, u: 0.0 };
@@ -241,7 +239,7 @@ impl EmissiveSurfaces for Scene {
         let LeavingLight { p, d } = leaving;
         let primitive = &self.geometry.primitives[light.object.index()];
         let own = self.geometry.transform_of(primitive, time).object_from_world.transform_point3(p);
-        let own = self.geometry.at_opening((primitive.shape, light.part), own, time);
+        let own = self.geometry.at_opening(primitive.shape, light.part, own, time);
         let hit = self.geometry.shapes.hit_at(primitive.shape, light.part, own);
         let point = SurfacePoint { p, ..SurfacePoint::default() };
         let at = Interaction { point, hit, object: light.object, time, ..Interaction::default() };

@@ -2,6 +2,16 @@
 
 use crate::{Vec2, Vec3, fmath};
 
+/// Whether an event of the probability `p` happens, and what is left of the number after that, uniform in [0, 1) again.
+///
+/// * `u`: uniform in [0, 1); the event happens below `p`
+#[inline]
+pub fn choose(u: f32, p: f32) -> (bool, f32) {
+    let happens = u < p;
+    let rest = if happens { u / p } else { (u - p) / (1.0 - p) };
+    (happens, rest.min(1.0f32.next_down()))
+}
+
 /// A right-handed orthonormal basis whose third vector is the unit vector `n`
 /// [Duff et al. 2017].
 #[inline]
@@ -73,6 +83,28 @@ mod tests {
     use super::*;
 
     /// Moments of the points of a fine grid, against the integrals over disk and hemisphere.
+    #[test]
+    fn a_choice_leaves_a_uniform_number() {
+        for p in [0.0, 1e-6, 0.25, 0.5, 0.9, 1.0f32] {
+            let mut rests = [Vec::new(), Vec::new()];
+            for i in 0..4000 {
+                let (happens, rest) = choose((i as f32 + 0.5) / 4000.0, p);
+                assert!((0.0..1.0).contains(&rest), "{p}: {rest}");
+                rests[usize::from(happens)].push(rest);
+            }
+            assert!((rests[1].len() as f32 - 4000.0 * p).abs() <= 1.0, "{p}");
+            for rests in rests.iter().filter(|rests| rests.len() > 500) {
+                let mean = rests.iter().sum::<f32>() / rests.len() as f32;
+                assert!((mean - 0.5).abs() < 1e-3 && rests.is_sorted(), "{p}: {mean}");
+            }
+        }
+        for p in (1..1000).map(|i| i as f32 / 1000.0) {
+            let ends = [p.next_down(), p, 1.0f32.next_down()].map(|u| choose(u, p));
+            assert_eq!(ends.map(|end| end.0), [true, false, false]);
+            assert!(ends.iter().all(|(_, rest)| (0.0..1.0).contains(rest)), "{p}: {ends:?}");
+        }
+    }
+
     #[test]
     fn disk_and_hemispheres_have_the_moments_of_their_densities() {
         let n = 256;

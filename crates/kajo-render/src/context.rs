@@ -196,6 +196,13 @@ impl Scratch {
     }
 }
 
+/// An empty list with the memory of another one, if their values have the same size: what borrows from a scene, or does not, may keep it so.
+pub(crate) fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
+    list.clear();
+    // Collecting in place reuses the memory.
+    list.into_iter().map_while(|_| None).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,6 +215,16 @@ mod tests {
         assert_eq!(scratch.get::<Vec<u32>>(), &[7]);
         assert_eq!(*scratch.get::<u8>(), 0);
         assert!(scratch.get::<Vec<u32>>().is_empty(), "another type took the place");
+    }
+
+    #[test]
+    fn an_emptied_list_has_the_memory_of_the_other() {
+        let list: Vec<[u32; 2]> = Vec::with_capacity(40);
+        let memory = list.as_ptr() as usize;
+        let other: Vec<u64> = emptied(list);
+        assert!(other.is_empty() && (other.capacity() == 0 || other.as_ptr() as usize == memory));
+        let again: Vec<[i32; 2]> = emptied(vec![[1u32, 2], [3, 4]]);
+        assert!(again.is_empty() && again.capacity() == 2);
     }
 
     #[test]

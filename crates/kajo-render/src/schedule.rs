@@ -258,10 +258,9 @@ pub fn render<I: PixelIntegrator + ?Sized>(
             samples_in_all: in_all,
             ..PassShare::default()
         };
-        let watched = (film, progress);
         let done = match with_state {
-            Some(with_state) => carry_out(with_state, watched, settings, (&plan, share), &[]),
-            None => carry_out(integrator, watched, settings, (&plan, share), &[]),
+            Some(with_state) => carry_out(with_state, film, progress, settings, &plan, share, &[]),
+            None => carry_out(integrator, film, progress, settings, &plan, share, &[]),
         };
         stats = stats.and(done.stats, start.elapsed().as_secs_f64());
         match (done.failed.is_empty(), done.is_complete) {

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
@@ -97,6 +97,29 @@ impl Setup<'_> {
                 Ok(tasks.into_iter().map(|(_, task)| task).collect())
             }
         }
+    }
+}
+
+impl Setup<'_> {
+    /// As [`Setup::tasks`], with results that are kept together and may not take more bytes than [`Setup::memory`].
+    ///
+    /// * `work`: what task `i` is, and how many bytes its result takes
+    /// * `too_many`: what is said where there is no room for them
+    ///
+    /// # Errors
+    /// As there, and `too_many`.
+    pub fn tasks_in_memory<T: Send>(
+        &self,
+        n: u32,
+        work: impl Fn(u32) -> (T, u64) + Sync,
+        too_many: impl Fn() -> SetupError + Sync,
+    ) -> Result<Vec<T>, SetupError> {
+        let kept = AtomicU64::new(0);
+        self.tasks(n, |i| {
+            let (result, bytes) = work(i);
+            let kept = kept.fetch_add(bytes, Ordering::Relaxed) + bytes;
+            if kept > self.memory { Err(too_many()) } else { Ok(result) }
+        })
     }
 }
 

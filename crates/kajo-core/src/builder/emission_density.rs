@@ -49,7 +49,7 @@ pub(super) struct EmissivePatch<'a> {
 impl EmissivePatch<'_> {
     /// What is at coordinates of the patch.
     fn context(&self, builder: &SceneBuilder, at: Vec2) -> TextureContext {
-        let p = self.patch.point_at(at).map_or(Vec3::ZERO, |point| point.p);
+        let p = self.patch.point_at(at).map_or(Vec3::ZERO, |drawn| drawn.at.p);
         let own = self.object_from_world.transform_point3(p.as_dvec3()).as_vec3();
         let shapes = &builder.geometry.shapes;
         let hit = shapes.hit_at(self.shape, self.part, own);

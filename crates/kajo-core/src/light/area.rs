@@ -20,7 +20,7 @@ use super::{
 };
 use crate::ids::{ObjectId, VariedEmissionId};
 use crate::motion::MovingTransform;
-use crate::shape::{Patch, PatchDirection, PlacedPatch};
+use crate::shape::{Patch, PatchDirection, PatchPoint, PlacedPatch};
 
 /// Which sides of a surface give light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -122,8 +122,8 @@ impl AreaLight {
             None => patch.sample_area(u)?,
             Some(density) => density.sample_area(&patch, u)?,
         };
-        let at = LightPoint::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n };
-        Some((at, self.pdf_area(drawn.p, time)))
+        let PatchPoint { p, p_error, n } = drawn.at;
+        Some((LightPoint::Surface { p, p_error, n }, self.pdf_area(p, time)))
     }
 
     /// Density per area with which [`AreaLight::sample_area`] draws the point `p`; 0 where it draws none.
@@ -211,7 +211,7 @@ impl Emitter for AreaLight {
         surfaces: &S,
     ) -> Option<LightLiSample> {
         let patch = self.placed(to.time);
-        let PatchDirection { at, wi } = match &self.density {
+        let PatchDirection { at, wi, pdf } = match &self.density {
             None => patch.sample(to.p, u)?,
             Some(density) => density.sample(&patch, to.p, u)?,
         };
@@ -221,7 +221,7 @@ impl Emitter for AreaLight {
         }
         let radiance = self.radiance(LeavingLight { p: at.p, d: -wi }, to.time, wavelengths, surfaces);
         let point = LightPoint::Surface { p: at.p, p_error: at.p_error, n };
-        Some(LightLiSample { wi, radiance, pdf: at.pdf, is_delta: false, at: point })
+        Some(LightLiSample { wi, radiance, pdf, is_delta: false, at: point })
     }
 
     #[inline]
@@ -277,6 +277,7 @@ impl Emitter for AreaLight {
             (None, None) => (patch.sample_area(u.position)?, None),
             (Some(density), None) => (density.sample_area(&patch, u.position)?, None),
         };
+        let drawn = drawn.at;
         let outward = self.surface_normal(drawn.p, drawn.n, time, surfaces)?;
         let d = match along {
             Some(d) if self.sides.emit(outward.dot(d)) => d,

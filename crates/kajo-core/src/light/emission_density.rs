@@ -94,8 +94,8 @@ impl EmissionDensity {
     pub fn sample_area(&self, patch: &PlacedPatch<'_>, u: Vec2) -> Option<PatchSample> {
         let (at, density) = self.density.sample(u);
         let sample = patch.point_at(at)?;
-        let pdf = density * sample.pdf;
-        (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..sample })
+        let pdf_area = density * sample.pdf_area;
+        (pdf_area.is_finite() && pdf_area > 0.0).then_some(PatchSample { pdf_area, ..sample })
     }
 
     /// Density per area with which [`EmissionDensity::sample_area`] draws the point `p`.
@@ -106,13 +106,13 @@ impl EmissionDensity {
     /// A point drawn for the receiver `from`, its density per solid angle there.
     pub fn sample(&self, patch: &PlacedPatch<'_>, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         let share = self.share_for(patch, from);
-        let way = if u.x < share {
+        let drawn = if u.x < share {
             self.sample_area(patch, Vec2::new(u.x / share, u.y))?.seen_from(from)?
         } else {
             patch.sample(from, Vec2::new((u.x - share) / (1.0 - share), u.y))?
         };
-        let pdf = self.pdf(patch, from, way.at.p, way.at.n);
-        (pdf.is_finite() && pdf > 0.0).then_some(PatchDirection { at: PatchSample { pdf, ..way.at }, ..way })
+        let pdf = self.pdf(patch, from, drawn.at.p, drawn.at.n);
+        (pdf.is_finite() && pdf > 0.0).then_some(PatchDirection { pdf, ..drawn })
     }
 
     /// Density per solid angle at `from` with which [`EmissionDensity::sample`] draws the point `p`.

@@ -59,11 +59,11 @@ fn draw(i: u32) -> Vec2 {
 fn irradiance(patch: &Patch, from: Vec3, n: Vec3, samples: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..samples {
-        let Some(PatchDirection { at, wi }) = patch.sample(from, draw(i)) else { continue };
+        let Some(PatchDirection { at, wi, pdf }) = patch.sample(from, draw(i)) else { continue };
         assert!(wi.distance((at.p - from).normalize()) < 1e-6, "{patch:?}: {wi} to {}", at.p);
         let again = patch.pdf(from, at.p, at.n);
-        assert!((again / at.pdf - 1.0).abs() < 1e-3, "{patch:?}: {again} for {}", at.pdf);
-        let e = f64::from(wi.dot(n).max(0.0) / at.pdf);
+        assert!((again / pdf - 1.0).abs() < 1e-3, "{patch:?}: {again} for {}", pdf);
+        let e = f64::from(wi.dot(n).max(0.0) / pdf);
         sum += e;
         squares += e * e;
     }
@@ -160,7 +160,7 @@ fn the_side_of_a_cone_has_its_area_and_its_normals() {
     let expected = PI * 1.5 * (4.0f64 + 0.25).sqrt();
     assert!((cone.area() / expected - 1.0).abs() < 1e-6);
     for i in 0..100 {
-        let s = cone.sample_area(draw(i)).unwrap();
+        let s = cone.sample_area(draw(i)).unwrap().at;
         assert!(s.n.dot(Vec3::new(s.p.x, s.p.y, 0.0)) > 0.0 && s.n.z > 0.0);
         assert!((s.p.truncate().length() - (1.0 - 0.25 * s.p.z)).abs() < 1e-5);
     }

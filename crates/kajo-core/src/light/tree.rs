@@ -6,7 +6,7 @@
 
 use std::f32::consts::PI;
 
-use kajo_math::Aabb;
+use kajo_math::{Aabb, warp};
 
 use super::cluster::{LightCluster, LightMoments};
 use super::visibility::{self, Mixture, RegionVisibility};
@@ -112,12 +112,12 @@ impl LightTree {
                 NodeContent::Inner { second } => second as usize,
             };
             let share = first?;
-            if u < share {
-                u = (u / share).min(1.0f32.next_down());
+            let is_first;
+            (is_first, u) = warp::choose(u, share);
+            if is_first {
                 probability *= share;
                 at += 1;
             } else {
-                u = ((u - share) / (1.0 - share)).clamp(0.0, 1.0f32.next_down());
                 probability *= 1.0 - share;
                 at = second;
             }

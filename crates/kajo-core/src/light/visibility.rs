@@ -26,7 +26,7 @@
 
 use std::array;
 
-use kajo_math::{Aabb, Vec3};
+use kajo_math::{Aabb, Vec3, warp};
 
 use crate::ids::LightIndex;
 
@@ -77,17 +77,10 @@ impl Mixture {
     /// * `u`: uniform in [0, 1)
     #[inline]
     pub fn step(self, shares: [f32; 2], u: f32) -> (bool, Mixture, f32) {
-        let below_one = 1.0f32.next_down();
         let first = self.after(shares);
-        let share = first.probability() / self.probability();
-        if u < share {
-            return (true, first, (u / share).min(below_one));
-        }
-        (
-            false,
-            self.after(shares.map(|share| 1.0 - share)),
-            ((u - share) / (1.0 - share)).clamp(0.0, below_one),
-        )
+        let (is_first, u) = warp::choose(u, first.probability() / self.probability());
+        let after = if is_first { first } else { self.after(shares.map(|share| 1.0 - share)) };
+        (is_first, after, u)
     }
 }
 

@@ -7,6 +7,7 @@
 //! Scene: `Mix { amount 0.3  materialIndex 0  materialIndex 1 }`
 
 use kajo_color::Spectrum;
+use kajo_math::warp;
 
 use super::parts::answers_of_part;
 use super::{Appearance, Material, MaterialId, ShadingPoint};
@@ -32,9 +33,8 @@ impl Blend {
     ) -> Option<(MaterialId, ShadingPoint<'a>)> {
         let t = self.amount.at(appearance.textures.evaluator(&at.context)).clamp(0.0, 1.0);
         let [first, second] = self.materials;
-        // What is left of the number after the choice is uniform again.
-        let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
-        Some((part, ShadingPoint { u: u.min(1.0f32.next_down()), ..*at }))
+        let (is_second, u) = warp::choose(at.u, t);
+        Some((if is_second { second } else { first }, ShadingPoint { u, ..*at }))
     }
 }
 

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use kajo_color::{RgbBasis, Spectrum};
-use kajo_math::Vec2;
+use kajo_math::{Vec2, warp};
 
 use super::{Appearance, Material, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, BtfLobe, Phong};
@@ -92,11 +92,8 @@ struct RemainingUniform(f32);
 impl RemainingUniform {
     /// Whether something of this probability is so.
     fn is_below(&mut self, probability: f32) -> bool {
-        let RemainingUniform(u) = *self;
-        let is_so = u < probability;
-        // What is left of the number is uniform again.
-        let rest = if is_so { u / probability } else { (u - probability) / (1.0 - probability) };
-        self.0 = rest.min(1.0f32.next_down());
+        let is_so;
+        (is_so, self.0) = warp::choose(self.0, probability);
         is_so
     }
 }

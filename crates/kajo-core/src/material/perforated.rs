@@ -13,7 +13,7 @@
 //! Scene: `Matte { color 0.2 0.5 0.1  opacity 0.6 }`
 
 use kajo_color::Spectrum;
-use kajo_math::fmath;
+use kajo_math::{fmath, warp};
 
 use super::parts::answers_of_part;
 use super::{Appearance, Interior, Material, MaterialId, ShadingPoint};
@@ -43,9 +43,8 @@ impl Perforated {
         at: &ShadingPoint<'a>,
     ) -> Option<(MaterialId, ShadingPoint<'a>)> {
         let opacity = self.opacity(appearance, &at.context);
-        // What is left of the number after the choice is uniform again.
-        let u = (at.u / opacity).min(1.0f32.next_down());
-        (at.u < opacity).then_some((self.material, ShadingPoint { u, ..*at }))
+        let (is_there, u) = warp::choose(at.u, opacity);
+        is_there.then_some((self.material, ShadingPoint { u, ..*at }))
     }
 }
 

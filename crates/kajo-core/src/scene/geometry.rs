@@ -236,7 +236,7 @@ impl Geometry {
     /// Where a point of a part of a shape was when the shutter opened, in the shape's space.
     ///
     /// * `p`: where it is at a ray's time
-    pub(crate) fn at_opening(&self, (shape, part): (ShapeId, u32), p: Vec3, time: f32) -> Vec3 {
+    pub(crate) fn at_opening(&self, shape: ShapeId, part: u32, p: Vec3, time: f32) -> Vec3 {
         self.shapes.part_motion(shape, part).map_or(p, |motion| motion.carried(p, [time, 0.0]))
     }
 
@@ -309,7 +309,7 @@ impl Geometry {
                     Some(map) => own(map),
                     None => rarely(|| {
                         let p = self.transform_at(pose, at.time, own);
-                        self.at_opening((shape, at.hit.part), p, at.time)
+                        self.at_opening(shape, at.hit.part, p, at.time)
                     }),
                 };
                 Some((shape, p))
@@ -374,7 +374,7 @@ impl Geometry {
     fn moving_tangents(&self, at: &Interaction, shape: ShapeId, pose: PoseId) -> Tangents {
         self.transform_at(pose, at.time, |map| {
             let own = map.object_from_world.transform_point3(at.point.p);
-            let opening = self.at_opening((shape, at.hit.part), own, at.time);
+            let opening = self.at_opening(shape, at.hit.part, own, at.time);
             let tangents = self.shapes.tangents_at(shape, &at.hit, opening);
             let inner = self.shapes.part_motion(shape, at.hit.part);
             inner

@@ -31,7 +31,6 @@ use super::{Geometry, Interaction, Scene};
 use crate::ids::{FrameId, ObjectId};
 use crate::interaction::SurfacePoint;
 use crate::light::LightSampler;
-use crate::material::ShadingPoint;
 
 /// By how much clocks of what moves may run slow: up to a speed of 0.9999995. Frequencies of light between two things that fly apart
 /// then differ by less than 10^7, and their fifth powers remain numbers.
@@ -295,9 +294,7 @@ impl Scene {
                 let wavelengths = wavelengths(frame);
                 self.occluded_within_or(trees, &segment, |object, hit| {
                     let at = self.interaction(&segment, object, hit);
-                    let context = self.texture_context(&at);
-                    let point = ShadingPoint { context, wavelengths: &wavelengths, eta_outside: 1.0, u: 0.0 };
-                    passed *= self.appearance.passage(at.material, &point, at.crossing_cosine(segment.d));
+                    passed *= self.passage(&at, 1.0, &wavelengths, at.crossing_cosine(segment.d));
                     passed.is_black()
                 })
             } else {

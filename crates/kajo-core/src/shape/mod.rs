@@ -53,8 +53,8 @@ pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals}
 pub use outline::FillRule;
 pub(crate) use patch::per_solid_angle;
 pub use patch::{
-    Canonical, CoverSegment, CurvedPatch, DiskPatch, Patch, PatchDirection, PatchSample, PlacedPatch,
-    PlacedTraced, QuadPatch, TracedPatch,
+    Canonical, CoverSegment, CurvedPatch, DiskPatch, Patch, PatchDirection, PatchPoint, PatchSample,
+    PlacedPatch, PlacedTraced, QuadPatch, TracedPatch,
 };
 pub use plane::Plane;
 pub use prism::{Bevel, BevelProfile, Prism, Sweep};

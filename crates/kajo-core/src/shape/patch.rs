@@ -113,26 +113,35 @@ pub struct CurvedPatch {
     by_area: bool,
 }
 
-/// A position on a patch, drawn for a receiver.
+/// A position on a patch.
 #[derive(Clone, Copy, Debug)]
-pub struct PatchSample {
+pub struct PatchPoint {
     /// The position.
     pub p: Vec3,
     /// Bound on the error of each of its coordinates.
     pub p_error: Vec3,
     /// Unit normal, on the outer side.
     pub n: Vec3,
-    /// Density: per solid angle at the receiver, or per area where no receiver is given.
-    pub pdf: f32,
 }
 
-/// A position drawn for a receiver, and the way there.
+/// A position sampled independently of any receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchSample {
+    /// The position.
+    pub at: PatchPoint,
+    /// Its density per area.
+    pub pdf_area: f32,
+}
+
+/// A position sampled for a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchDirection {
-    /// The position, its density per solid angle at the receiver.
-    pub at: PatchSample,
+    /// The position.
+    pub at: PatchPoint,
     /// Unit direction from the receiver to it.
     pub wi: Vec3,
+    /// Its density per solid angle at the receiver.
+    pub pdf: f32,
 }
 
 impl Patch {
@@ -246,14 +255,14 @@ impl Patch {
         }
     }
 
-    /// A position drawn for the receiver `from`, its density per solid angle there.
+    /// A position sampled for the receiver `from`.
     #[inline]
     pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchDirection> {
         let o = from.as_dvec3();
         if let Some(view) = self.view(o) {
             let p = view.sample(o, u, self)?;
-            let at = self.sample_at(p, (1.0 / view.solid_angle()) as f32);
-            return Some(PatchDirection { at, wi: (at.p - from).normalize_or_zero() });
+            let (at, pdf) = (self.placed_point(p), (1.0 / view.solid_angle()) as f32);
+            return Some(PatchDirection { at, wi: (at.p - from).normalize_or_zero(), pdf });
         }
         match self {
             Patch::Traced(traced) => traced.placed(None).sample(from, u),
@@ -277,7 +286,7 @@ impl Patch {
         }
     }
 
-    /// A position drawn for nobody, its density per area; `None` for traced surfaces, see [`PlacedPatch::traced`].
+    /// A position sampled by area; `None` for traced surfaces, see [`PlacedPatch::traced`].
     pub fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
         let (x, y) = (f64::from(u.x), f64::from(u.y));
         let p = match self {
@@ -288,8 +297,8 @@ impl Patch {
             Patch::Curved(curved) => return curved.sample_area(u),
             _ => self.point(x, y)?,
         };
-        let pdf = (1.0 / self.area()) as f32;
-        (pdf.is_finite() && pdf > 0.0).then(|| self.sample_at(p, pdf))
+        let pdf_area = (1.0 / self.area()) as f32;
+        (pdf_area.is_finite() && pdf_area > 0.0).then(|| PatchSample { at: self.placed_point(p), pdf_area })
     }
 
     /// Density per area with which [`Patch::sample_area`] draws the position `p`.
@@ -370,17 +379,17 @@ impl Patch {
     }
 
     /// A position with its normal and the bound on its error.
-    fn sample_at(&self, p: DVec3, pdf: f32) -> PatchSample {
+    fn placed_point(&self, p: DVec3) -> PatchPoint {
         let n = match self {
             Patch::Sphere { center, .. } => (p - center).normalize_or(DVec3::Z),
-            Patch::Curved(curved) => return curved.sample_at(p, pdf),
+            Patch::Curved(curved) => return curved.placed_point(p),
             _ => self.normal().unwrap_or(DVec3::Z),
         };
         let single = p.as_vec3();
         // A triangle may be one of a mesh, which is tested in single precision.
         let of_test = if let Patch::Triangle(corners) = *self { triangle_error(corners) } else { 0.0 };
         let p_error = gamma(4) * (single.abs() + self.reach()) + Vec3::splat(of_test);
-        PatchSample { p: single, p_error, n: n.as_vec3(), pdf }
+        PatchPoint { p: single, p_error, n: n.as_vec3() }
     }
 
     /// The size of the coordinates that a position is put together from.
@@ -415,8 +424,9 @@ impl PatchSample {
     /// A position drawn by area, as the receiver `from` has it; `None` where it is seen edge on.
     #[inline]
     pub(crate) fn seen_from(self, from: Vec3) -> Option<PatchDirection> {
-        let (pdf, wi) = seen_from(self.pdf, from, self.p, self.n)?;
-        Some(PatchDirection { at: PatchSample { pdf, ..self }, wi })
+        let PatchSample { at, pdf_area } = self;
+        let (pdf, wi) = seen_from(pdf_area, from, at.p, at.n)?;
+        Some(PatchDirection { at, wi, pdf })
     }
 }
 
@@ -541,15 +551,15 @@ impl CurvedPatch {
     /// See [`Patch::sample_area`].
     fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
         let p = self.map.transform_point3(self.canonical(u.x.into(), u.y.into()));
-        let placed = self.sample_at(p, 0.0);
-        let pdf = self.pdf_area(placed.p.as_dvec3()) as f32;
-        (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..placed })
+        let at = self.placed_point(p);
+        let pdf_area = self.pdf_area(at.p.as_dvec3()) as f32;
+        (pdf_area.is_finite() && pdf_area > 0.0).then_some(PatchSample { at, pdf_area })
     }
 
-    fn sample_at(&self, p: DVec3, pdf: f32) -> PatchSample {
+    fn placed_point(&self, p: DVec3) -> PatchPoint {
         let single = p.as_vec3();
         let p_error = gamma(4) * (single.abs() + self.reach());
-        PatchSample { p: single, p_error, n: self.normal(p).as_vec3(), pdf }
+        PatchPoint { p: single, p_error, n: self.normal(p).as_vec3() }
     }
 
     fn reach(&self) -> Vec3 {

@@ -175,14 +175,14 @@ fn integrals(filter: &Filter, n: u32, cell: u32) -> Vec<f64> {
         let limits = ((f64::from(start) - centre).max(-r), (f64::from(end) - centre).min(r));
         // Far from borders one integral is as good as the next.
         if limits != last.0 {
-            last = (limits, integral(filter, limits));
+            last = (limits, integral(filter, limits.0, limits.1));
         }
         last.1
     };
     (0..n).map(&mut integral_around).collect()
 }
 
-fn integral(filter: &Filter, (from, to): (f64, f64)) -> f64 {
+fn integral(filter: &Filter, from: f64, to: f64) -> f64 {
     let step = (to - from) / f64::from(PANELS);
     let value = |i: u32| f64::from(filter.profile((from + (f64::from(i) + 0.5) * step) as f32));
     (0..PANELS).map(value).sum::<f64>() * step

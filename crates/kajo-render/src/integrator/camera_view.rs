@@ -8,6 +8,7 @@ use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Immersion, Interaction, Scene};
 use kajo_core::settings::Rules;
+use kajo_math::rng::Stream;
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::transport::MediumStack;
@@ -29,6 +30,24 @@ pub(super) struct CameraView<'a> {
     is_immersed: bool,
     /// How wavelengths are drawn, where light is followed by wavelength.
     spectral: Option<WavelengthChoice>,
+}
+
+/// How far the rays of neighbouring pixels are apart; by default not at all.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RayFootprint {
+    /// Where they start, in world units.
+    origin: f32,
+    /// For each unit of length along them.
+    direction: f32,
+}
+
+impl RayFootprint {
+    /// Side of a pixel on a surface that faces the rays, in world units.
+    ///
+    /// * `length`: of the path from the camera
+    pub fn at(self, length: f32) -> f32 {
+        self.origin + length * self.direction
+    }
 }
 
 impl<'a> CameraView<'a> {
@@ -55,6 +74,24 @@ impl<'a> CameraView<'a> {
     /// What a path carries for a uniform `u` in [0, 1).
     pub fn wavelengths_at(&self, u: f32) -> Wavelengths {
         self.spectral.as_ref().map_or(Wavelengths::RGB, |choice| choice.sample(u))
+    }
+
+    /// What all paths of pass `k` carry whose vertices are joined with each other: one set of wavelengths, since paths of different ones cannot be.
+    ///
+    /// * `seed`: of these numbers alone
+    pub fn wavelengths_of_pass(&self, seed: u64, k: u32) -> Wavelengths {
+        let start = f64::from(Stream::new(seed, [0, 0], 0).uniform(0));
+        // The golden sequence spreads those of any number of passes evenly.
+        let u = (start + f64::from(k) * 0.618_033_988_749_894_9).fract();
+        self.wavelengths_at((u as f32).min(1.0 - f32::EPSILON))
+    }
+
+    /// How the ray of [`CameraView::ray`] and that of the next pixel in the row part; `None` where there is no such ray.
+    ///
+    /// * `draws`: as for the ray
+    pub fn footprint(&self, ray: &Ray, raster: Vec2, mut draws: SampleStream<'_>) -> Option<RayFootprint> {
+        let next = self.ray(raster + Vec2::X, &mut draws)?;
+        Some(RayFootprint { origin: next.o.distance(ray.o), direction: next.d.distance(ray.d) })
     }
 
     /// The same, aware of whether camera rays may start in a medium.

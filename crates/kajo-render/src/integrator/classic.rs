@@ -132,8 +132,10 @@ impl<'a> Classic<'a> {
     /// * `at`: the surface that the ray hits, if it `hits` one
     fn li<O: PathObserver>(
         &self,
-        (ray, path): (Ray, Path),
-        (at, mut hits): (&mut Interaction, bool),
+        ray: Ray,
+        path: Path,
+        at: &mut Interaction,
+        mut hits: bool,
         observer: &mut O,
         scratch: &mut Scratch,
     ) -> Spectrum {
@@ -144,7 +146,8 @@ impl<'a> Classic<'a> {
             let branch = match branches {
                 (None, None) => {
                     // Most paths never fork, and ask for no list.
-                    let waiting = if n_waiting > 0 { scratch.get::<Forks<O::Mark>>().0.pop() } else { None };
+                    let waiting =
+                        if n_waiting > 0 { scratch.get::<Vec<Fork<O::Mark>>>().pop() } else { None };
                     let Some(fork) = waiting else { return walk.light };
                     n_waiting -= 1;
                     observer.back_to(fork.mark);
@@ -160,7 +163,7 @@ impl<'a> Classic<'a> {
                     refracted(behind, observer)
                 }
                 (Some(_), Some(_)) if observer.interrupted() => {
-                    scratch.get::<Forks<O::Mark>>().0.clear();
+                    scratch.get::<Vec<Fork<O::Mark>>>().clear();
                     return walk.light;
                 }
                 (Some(mut mirrored), Some(mut behind)) => {
@@ -171,7 +174,7 @@ impl<'a> Classic<'a> {
                     observer.weaken(|| weight.to_rgb());
                     let FollowedPath { light, beta, .. } = walk;
                     let fork = Fork { light, beta, weight, refracted: behind, at: *at, mark };
-                    scratch.get::<Forks<O::Mark>>().0.push(fork);
+                    scratch.get::<Vec<Fork<O::Mark>>>().push(fork);
                     n_waiting += 1;
                     (walk.light, walk.beta) = (Spectrum::BLACK, Spectrum::WHITE);
                     Branch { factor: Spectrum::WHITE, ..mirrored }
@@ -212,7 +215,7 @@ impl<'a> Classic<'a> {
             at.point.n = shading.normal(-ray.d);
         }
         let carried = || (path.eta, *beta * self.fog_factor(ray, at.hit.t, path));
-        let mut local = self.shade(ray, at, (phong, shading.n), observer, carried);
+        let mut local = self.shade(ray, at, phong, shading.n, observer, carried);
         let emitted = self.scene.surface_light(at, ray.d, &Wavelengths::RGB).map(|hit| hit.radiance);
         if let Some(emitted) = emitted {
             local += emitted;
@@ -229,13 +232,15 @@ impl<'a> Classic<'a> {
 
     /// Ambient light and every visible light, by the material's own model.
     ///
-    /// * `phong`: of the material, and the unit normal of its diffuse part: that of a relief is not held up
+    /// * `phong`: of the material
+    /// * `diffuse_n`: unit normal of its diffuse part, whose tilt by a relief is not limited
     /// * `carried`: index of refraction around the ray, and what becomes of light that leaves the surface along it
     fn shade(
         &self,
         ray: &Ray,
         at: &Interaction,
-        (phong, diffuse_n): (&Phong, Vec3),
+        phong: &Phong,
+        diffuse_n: Vec3,
         observer: &mut impl PathObserver,
         carried: impl Fn() -> (f32, Spectrum),
     ) -> Spectrum {
@@ -405,15 +410,6 @@ struct Fork<M> {
     mark: M,
 }
 
-/// Forks of a sample, the last one first in turn; the memory is kept from sample to sample.
-struct Forks<M>(Vec<Fork<M>>);
-
-impl<M> Default for Forks<M> {
-    fn default() -> Forks<M> {
-        Forks(Vec::new())
-    }
-}
-
 /// The same branch, now that it is followed.
 fn reflected(branch: Branch, observer: &mut impl PathObserver) -> Branch {
     observer.counters().reflected += 1;
@@ -469,7 +465,7 @@ impl Integrator for Classic<'_> {
         if hits && self.view.wants_albedo() {
             ctx.aux.albedo = self.albedo(&at);
         }
-        let mut light = self.li((ray, path), (&mut at, hits), observer, &mut ctx.scratch);
+        let mut light = self.li(ray, path, &mut at, hits, observer, &mut ctx.scratch);
         if self.settings.uv {
             light = self.uv_picture(pixel);
             observer.shown_instead(|| light.to_rgb());

@@ -44,6 +44,7 @@ use kajo_math::Vec2;
 use super::Integrator;
 use super::camera_view::{CameraView, in_white_light};
 use super::transport::{LaneMis, PathState};
+use crate::context::emptied;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext, Setup, SetupError, WithState};
 pub use relativistic::RelativisticPath;
@@ -121,15 +122,6 @@ fn integrator_of<'a>(
     }
 }
 
-/// Room for forks, kept from sample to sample.
-struct ForkRoom<M>(Vec<Fork<'static, M>>);
-
-impl<M> Default for ForkRoom<M> {
-    fn default() -> ForkRoom<M> {
-        ForkRoom(Vec::new())
-    }
-}
-
 impl Integrator for Path<'_> {
     fn observe<O: PathObserver>(
         &self,
@@ -184,7 +176,7 @@ impl Path<'_> {
             state.lanes = LaneMis::new(&wavelengths, state.draws.next_1d());
         }
         observer.counters().camera += 1;
-        let forks = self.forks().then(|| mem::take(&mut ctx.scratch.get::<ForkRoom<O::Mark>>().0));
+        let forks = self.forks().then(|| mem::take(ctx.scratch.get::<Vec<Fork<'static, O::Mark>>>()));
         let forks = forks.map_or_else(Vec::new, emptied);
         let mut tracer =
             PathTracer::new(&self.view, &self.settings, observer, indirect, forks).choosing(lights);
@@ -198,7 +190,7 @@ impl Path<'_> {
         let first = found.first.as_ref().map(|at| self.view.first_hit(at, &mut ctx.aux));
         let (forks, indirect) = tracer.into_parts();
         if self.forks() {
-            ctx.scratch.get::<ForkRoom<O::Mark>>().0 = emptied(forks);
+            *ctx.scratch.get::<Vec<Fork<'static, O::Mark>>>() = emptied(forks);
         }
         (PixelSample { radiance, first }, indirect)
     }
@@ -207,12 +199,6 @@ impl Path<'_> {
     fn forks(&self) -> bool {
         self.settings.branches > 1 || self.settings.directions != Directions::Scattering
     }
-}
-
-/// An empty list, with the memory of another where its values have the same size.
-fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
-    list.clear();
-    list.into_iter().filter_map(|_| None).collect()
 }
 
 #[cfg(test)]

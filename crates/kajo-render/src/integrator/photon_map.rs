@@ -15,6 +15,7 @@ use std::thread;
 
 use kajo_color::Spectrum;
 use kajo_math::Vec3;
+use kajo_math::rng::unit;
 
 /// Photons that are searched without a tree.
 const LEAF: usize = 8;
@@ -64,6 +65,11 @@ pub struct Photon {
     n: u16,
     /// From the lowest bit: four times 10 bits, 7 bits of the exponent, and whether only one wavelength counts.
     power: [u16; 3],
+}
+
+/// The number in [0, 1) by which the power of vertex `j` of path `i` is rounded: a golden sequence rounds those of many photons evenly.
+pub fn dither(i: u32, j: u32) -> f32 {
+    unit(i.wrapping_mul(0x9E37_79B9).wrapping_add(0x6180_3399u32.wrapping_mul(j)))
 }
 
 impl Photon {
@@ -221,7 +227,7 @@ impl PhotonMap {
         let step = (self.photons.len() / PROBES).max(1);
         let mut distances: Vec<u32> = Vec::new();
         for photon in self.photons.iter().step_by(step) {
-            self.nearest_of(photon.p.into(), (k + 1, f32::INFINITY), &mut scratch, |_| true);
+            self.nearest_of(photon.p.into(), k + 1, f32::INFINITY, &mut scratch, |_| true);
             distances.extend(scratch.last().map(|&(d2, _)| d2));
         }
         distances.sort_unstable();
@@ -254,7 +260,7 @@ impl PhotonMap {
         mut found: impl FnMut(&Photon),
     ) -> f32 {
         let r = self.largest_radius();
-        self.nearest_of(point.p, (k, self.most_r2), scratch, |photon| point.takes(photon, r));
+        self.nearest_of(point.p, k, self.most_r2, scratch, |photon| point.takes(photon, r));
         scratch.iter().for_each(|&(_, i)| found(&self.photons[i as usize]));
         let (share, r2) = match scratch.last() {
             Some(&(d2, _)) if scratch.len() == k => ((k - 1) as f32 / k as f32, f32::from_bits(d2)),
@@ -267,7 +273,8 @@ impl PhotonMap {
     fn nearest_of(
         &self,
         p: Vec3,
-        (k, most_r2): (usize, f32),
+        k: usize,
+        most_r2: f32,
         scratch: &mut NearestScratch,
         is_meant: impl Fn(&Photon) -> bool,
     ) {

@@ -297,9 +297,11 @@ pub(super) struct Done {
 /// * `finished`: a bit for each unit that the film has already; empty for none
 pub(super) fn carry_out<I: PixelIntegrator + ?Sized>(
     integrator: &I,
-    (film, progress): (&Film, &dyn Progress),
+    film: &Film,
+    progress: &dyn Progress,
     settings: &RenderSettings,
-    (plan, share): (&Plan, PassShare),
+    plan: &Plan,
+    share: PassShare,
     finished: &[u64],
 ) -> Done {
     let pass = Pass::new(integrator, film, settings, progress, plan, share).after(finished);

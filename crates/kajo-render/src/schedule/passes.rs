@@ -93,7 +93,7 @@ pub fn render_passes<I: PixelIntegrator + ?Sized>(
         return Ok(stats);
     }
     let mut states = States::new(integrator);
-    while let Some(samples) = position.next_samples(settings, goal, (quota, &|at| states.end_of_part(at))) {
+    while let Some(samples) = position.next_samples(settings, goal, quota, &|at| states.end_of_part(at)) {
         let plan = position.plan(film, settings, samples.clone());
         // Beyond what the clock can tell there is no end.
         let end = goal.time.filter(|_| position.done > 0).and_then(|time| start.checked_add(time));
@@ -106,10 +106,9 @@ pub fn render_passes<I: PixelIntegrator + ?Sized>(
         };
         let share = position.share(film, settings, &plan, &stats);
         let finished = position.unfinished.as_ref().map_or(&[][..], |unfinished| &unfinished.finished);
-        let watched: (&Film, &dyn Progress) = (film, &clock);
         let Done { is_complete: complete, finished, stats: of_pass, failed } = match with_state {
-            Some(with_state) => carry_out(with_state, watched, settings, (&plan, share), finished),
-            None => carry_out(integrator, watched, settings, (&plan, share), finished),
+            Some(with_state) => carry_out(with_state, film, &clock, settings, &plan, share, finished),
+            None => carry_out(integrator, film, &clock, settings, &plan, share, finished),
         };
         position.unfinished = (!complete).then(|| plan.unfinished(finished));
         stats = stats.and(of_pass, start.elapsed().as_secs_f64());
@@ -218,7 +217,8 @@ impl Position {
         &self,
         settings: &RenderSettings,
         goal: &Goal,
-        (quota, end_of_part): (u32, &dyn Fn(u32) -> u32),
+        quota: u32,
+        end_of_part: &dyn Fn(u32) -> u32,
     ) -> Option<Range<u32>> {
         if let Some(unfinished) = &self.unfinished {
             return Some(unfinished.samples.clone());

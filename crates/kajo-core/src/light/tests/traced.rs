@@ -94,10 +94,10 @@ fn every_point_has_its_own_density() {
         const N: u32 = 60_000;
         let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
         for i in 0..N {
-            let Some(PatchDirection { at, wi }) = patch.sample(from, draw(i)) else { continue };
+            let Some(PatchDirection { at, wi, pdf }) = patch.sample(from, draw(i)) else { continue };
             let ball = usize::from(at.p.x < 0.0);
             let k = 2 * ball + usize::from(at.n.dot(wi) > 0.0);
-            let e = f64::from(1.0 / at.pdf);
+            let e = f64::from(1.0 / pdf);
             sums[k] += e;
             squares[k] += e * e;
         }
@@ -196,8 +196,8 @@ fn what_moves_is_drawn_where_it_is() {
         let [a, b] = [placed.sample(from, draw(i)), there.sample(from, draw(i))];
         let (Some(a), Some(b)) = (a, b) else { continue };
         drawn += 1;
-        assert!(a.at.p.distance(b.at.p) < 1e-4 && (a.at.pdf / b.at.pdf - 1.0).abs() < 1e-3);
-        assert!((placed.pdf(from, a.at.p, a.at.n) / a.at.pdf - 1.0).abs() < 1e-3);
+        assert!(a.at.p.distance(b.at.p) < 1e-4 && (a.pdf / b.pdf - 1.0).abs() < 1e-3);
+        assert!((placed.pdf(from, a.at.p, a.at.n) / a.pdf - 1.0).abs() < 1e-3);
     }
     assert!(drawn > 60, "{drawn}");
 }

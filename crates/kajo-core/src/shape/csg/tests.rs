@@ -364,6 +364,7 @@ fn the_surface_is_what_shows_of_the_leaves() {
         for i in 0..400 {
             let s = Stream::new(59, [i, part], 0);
             let Some(drawn) = patch.sample_area(Vec2::new(s.uniform(0), s.uniform(1))) else { continue };
+            let drawn = drawn.at;
             let shows = solid.shows(part, drawn.p, 0.0);
             let n = if solid.is_inverted(part) { -drawn.n } else { drawn.n };
             let ray = Ray::new(drawn.p + 0.01 * n, -n).over(-1.0, 1.0);

@@ -366,7 +366,7 @@ fn spans_give_light_along_their_chords() {
             for i in 0..N {
                 let s = Stream::new(41, [i, part], 0);
                 let Some(way) = patch.sample(from, Vec2::new(s.uniform(0), s.uniform(1))) else { continue };
-                let e = f64::from((2.5 + way.at.p.x) / way.at.pdf);
+                let e = f64::from((2.5 + way.at.p.x) / way.pdf);
                 (sum, squares) = (sum + e, squares + e * e);
             }
             let (mean, mean2) = (sum / f64::from(N), squares / f64::from(N));

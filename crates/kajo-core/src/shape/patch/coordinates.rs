@@ -21,17 +21,17 @@ impl Patch {
     /// which have none.
     pub fn point_at(&self, at: Vec2) -> Option<PatchSample> {
         let p = self.point(f64::from(at.x), f64::from(at.y))?;
-        Some(self.sample_at(p, self.pdf_area(p.as_vec3())))
+        Some(PatchSample { at: self.placed_point(p), pdf_area: self.pdf_area(p.as_vec3()) })
     }
 
     /// [`Patch::point_at`] of the image of this patch under `m`.
     pub fn point_at_moved(&self, m: &DAffine3, at: Vec2) -> Option<PatchSample> {
         let p = m.transform_point3(self.point(f64::from(at.x), f64::from(at.y))?);
-        let pdf = self.pdf_area_moved(m, p.as_vec3());
-        Some(match self {
-            Patch::Curved(curved) => curved.moved(m).sample_at(p, pdf),
-            other => other.moved(m)?.sample_at(p, pdf),
-        })
+        let at = match self {
+            Patch::Curved(curved) => curved.moved(m).placed_point(p),
+            other => other.moved(m)?.placed_point(p),
+        };
+        Some(PatchSample { at, pdf_area: self.pdf_area_moved(m, p.as_vec3()) })
     }
 
     /// The coordinates of a position on the patch, in [0, 1)²; zero for traced surfaces.

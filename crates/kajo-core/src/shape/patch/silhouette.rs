@@ -18,7 +18,7 @@ use kajo_math::solid_angle::basis64;
 use kajo_math::{DVec3, Vec2, Vec3};
 
 use super::traced::hashed_uniform;
-use super::{Canonical, CurvedPatch, DiskPatch, ON_SPHERE, Patch, PatchDirection, PatchSample};
+use super::{Canonical, CurvedPatch, DiskPatch, ON_SPHERE, Patch, PatchDirection};
 
 /// Probability of the nearest of two points.
 const NEAREST: f32 = 31.0 / 32.0;
@@ -54,8 +54,9 @@ impl CurvedPatch {
             1 => 0,
             _ => usize::from(hashed_uniform([u.x, u.y]) >= NEAREST),
         };
-        let at = self.sample_at(o + crossings.t[k] * d, through.at.pdf * crossings.probability(k));
-        Some(PatchDirection { at, wi: (at.p - from).normalize_or(through.wi) })
+        let at = self.placed_point(o + crossings.t[k] * d);
+        let pdf = through.pdf * crossings.probability(k);
+        Some(PatchDirection { at, wi: (at.p - from).normalize_or(through.wi), pdf })
     }
 
     /// See [`Patch::pdf`].
@@ -224,8 +225,8 @@ impl Silhouette {
         } else {
             (second, (u.x - self.share) / (1.0 - self.share), 1.0 - self.share)
         };
-        let way = patch.sample(from, Vec2::new(x.min(1.0f32.next_down()), u.y))?;
-        Some(PatchDirection { at: PatchSample { pdf: share * way.at.pdf, ..way.at }, ..way })
+        let drawn = patch.sample(from, Vec2::new(x.min(1.0f32.next_down()), u.y))?;
+        Some(PatchDirection { pdf: share * drawn.pdf, ..drawn })
     }
 
     /// Density per solid angle at `from` with which [`Silhouette::sample`] draws a position in the direction `d` of any length.

@@ -34,7 +34,7 @@ use kajo_math::solid_angle::{SPHERE, SphericalCap, basis64};
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Ray, Transform, Vec2, Vec3, fmath, rng, sobol};
 
 use super::cover::{self, CoverSegment, SegmentView};
-use super::{PatchDirection, PatchSample, on_unit_sphere, scale_of_similarity};
+use super::{PatchDirection, PatchPoint, PatchSample, on_unit_sphere, scale_of_similarity};
 use crate::interaction::Hit;
 use crate::shape::{AnyShape, ShapeId, Shapes};
 
@@ -177,7 +177,7 @@ impl PlacedTraced<'_> {
         })?;
         let at = self.at(&ray, &hit);
         let pdf = self.probability(k, n) * pdf_direction;
-        Some(PatchDirection { at: PatchSample { pdf, ..at }, wi: (at.p - from).normalize_or(wi) })
+        Some(PatchDirection { at, wi: (at.p - from).normalize_or(wi), pdf })
     }
 
     /// See [`Patch::pdf`].
@@ -223,7 +223,7 @@ impl PlacedTraced<'_> {
         cover.iter().map(move |segment| segment.mapped(&self.map, self.stretch).seen_from(from.as_dvec3()))
     }
 
-    /// A position drawn for nobody with a direction through it, the density of the position per area; see the head of the file.
+    /// A position sampled with a direction through it, independently of any receiver; see the head of the file.
     pub(crate) fn sample_line(&self, position: Vec2, direction: Vec2) -> Option<(PatchSample, Vec3)> {
         let (o, d) = self.line(position, direction);
         let ray = Ray::new(o, d).over(f32::NEG_INFINITY, f32::INFINITY);
@@ -232,7 +232,7 @@ impl PlacedTraced<'_> {
             let n = hits.len();
             (n > 0).then(|| (n, hits[((u * n as f32) as usize).min(n - 1)]))
         })?;
-        Some((PatchSample { pdf: self.pdf_of_line(n), ..self.at(&ray, &hit) }, d))
+        Some((PatchSample { at: self.at(&ray, &hit), pdf_area: self.pdf_of_line(n) }, d))
     }
 
     /// The density per area with which [`PlacedTraced::sample_line`] draws the position `p` on the line along `d`.
@@ -284,13 +284,13 @@ impl PlacedTraced<'_> {
         })
     }
 
-    /// The position of a hit, without its density.
-    fn at(&self, ray: &Ray, hit: &Hit) -> PatchSample {
+    /// The position of a hit.
+    fn at(&self, ray: &Ray, hit: &Hit) -> PatchPoint {
         let Alone { shapes, id, .. } = &*self.patch.alone;
         let point = shapes
             .surface_at(*id, &self.world_from_object.ray_in_object(ray), hit)
             .transformed(&self.world_from_object);
-        PatchSample { p: point.p, p_error: point.p_error, n: point.ng, pdf: 0.0 }
+        PatchPoint { p: point.p, p_error: point.p_error, n: point.ng }
     }
 
     /// Which of `n` points a number in [0, 1) chooses.

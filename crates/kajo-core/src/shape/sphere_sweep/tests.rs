@@ -227,8 +227,8 @@ fn light_is_drawn_along_the_sweep() {
                 let s = Stream::new(7, [i, 0], 0);
                 let Some(way) = patch.sample(from, bits(s, 0)) else { continue };
                 let again = patch.pdf(from, way.at.p, way.at.n);
-                off += u32::from((again / way.at.pdf - 1.0).abs() > 0.01);
-                let e = f64::from((2.5 + way.at.p.x + way.wi.z) / way.at.pdf);
+                off += u32::from((again / way.pdf - 1.0).abs() > 0.01);
+                let e = f64::from((2.5 + way.at.p.x + way.wi.z) / way.pdf);
                 (sum, squares) = (sum + e, squares + e * e);
             }
             // On the very edge of a view rounding decides whether a point is in it.

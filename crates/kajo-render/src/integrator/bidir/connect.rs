@@ -26,7 +26,7 @@ use super::partial_mis::{PartialMis, mis_weight, square, weighted_pdf_across};
 use super::subpath::Subpath;
 use super::vertex::Vertex;
 use super::volume::Volume;
-use super::{Bidirectional, Carried, Contribution};
+use super::{Bidirectional, Carried, Contribution, Technique};
 use crate::integrator::transport::{
     DrawnLight, Joining, MediumStack, PathState, connect, connect_through_media, sample_light,
 };
@@ -160,7 +160,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let arriving = V::scaled(onward * z.cosine(wi) * thinning, || share.reach * sigma_t(z));
         let w_camera = square(end / pdf_li) * z.mis.weighed(arriving, z.pdf(wi, z.wo));
         let found = Contribution {
-            way: [1, t],
+            technique: Technique { s: 1, t },
             is_merged: false,
             light: z.beta * scattered * radiance * share.within * share.visible * pdf.recip(),
             weight: mis_weight(w_light, w_camera),
@@ -175,8 +175,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     /// `s > 1, t > 1`: two vertices that see each other.
     pub(super) fn join(
         &self,
-        [y, z]: [&Vertex<'a, V>; 2],
-        way: [u32; 2],
+        y: &Vertex<'a, V>,
+        z: &Vertex<'a, V>,
+        technique: Technique,
         Carried { wavelengths, time, hero, .. }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
@@ -212,7 +213,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let w_light = y.mis.weighed(by_camera, y.pdf(-wi, y.wo));
         let w_camera = z.mis.weighed(by_light, z.pdf(wi, z.wo));
         let found = Contribution {
-            way,
+            technique,
             is_merged: false,
             light: y.beta * scattered * z.beta * share.within * share.visible * distance2.recip(),
             weight: mis_weight(w_light, w_camera),
@@ -230,7 +231,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     pub(super) fn splat(
         &self,
         y: &Vertex<'a, V>,
-        way: [u32; 2],
+        technique: Technique,
         Carried { wavelengths, time, hero, .. }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
@@ -264,7 +265,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let arriving = V::scaled(arriving, || share.reach * sigma_t(y));
         let w_light = || y.mis.weighed(arriving, y.pdf(to.wi, y.wo));
         Some(Contribution {
-            way,
+            technique,
             is_merged: false,
             light: carried * share.within * share.visible * (to.we / to.pdf),
             weight: if self.settings.only_from_lights { 1.0 } else { mis_weight(w_light(), 0.0) },
@@ -319,7 +320,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         };
         let by_camera = V::scaled(pdf_camera, || share.reach);
         Some(Contribution {
-            way: [1, 1],
+            technique: Technique { s: 1, t: 1 },
             is_merged: false,
             light: li.radiance * share.within * share.visible * (pdf_camera / pdf_li),
             weight: mis_weight(0.0, square(weighted_pdf_across(by_camera) / pdf_li)),

@@ -29,21 +29,3 @@ impl<'a> ReusedVolume<'a> for WithMedia<'a> {
         kept
     }
 }
-
-/// The memory of a path from a light, without vertices.
-pub struct LightPath<V>(pub Vec<Vertex<'static, V>>);
-
-impl<V> Default for LightPath<V> {
-    fn default() -> LightPath<V> {
-        LightPath(Vec::new())
-    }
-}
-
-impl<V> LightPath<V> {
-    /// Keeps the memory of a path that has been followed.
-    pub fn keep<W>(&mut self, mut path: Vec<Vertex<'_, W>>) {
-        path.clear();
-        // Nothing is left that could borrow from a scene; collecting reuses the memory.
-        self.0 = path.into_iter().map_while(|_| None).collect();
-    }
-}

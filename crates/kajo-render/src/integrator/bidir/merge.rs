@@ -29,18 +29,17 @@
 //! only vertices of one part are merged, at the positions which they have in the middle of it.
 
 use std::f32::consts::PI;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use kajo_color::Wavelengths;
 use kajo_core::LightGroup;
 use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_math::Vec3;
-use kajo_math::rng::{mix, unit};
+use kajo_math::rng::mix;
 
 use super::partial_mis::square;
-use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, Volume};
-use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored};
+use super::{Bidirectional, CameraEnd, Carried, Contribution, Technique, Vertex, Volume};
+use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored, dither};
 use crate::integrator::transport::{LaneMis, SurfaceInteraction};
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext, Setup, SetupError};
@@ -231,8 +230,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     pub fn merging(&self, pass: MergePass, setup: &Setup<'_>) -> Result<(Merging, RayCounters), SetupError> {
         let mut merging = Merging::new(pass);
         let sampler = Sampler::new(SamplerKind::Sobol, pass.paths);
-        let kept = AtomicU64::new(0);
-        let tasks = setup.tasks(pass.paths.div_ceil(PATHS_A_TASK), |task| {
+        let work = |task: u32| {
             let begin = task * PATHS_A_TASK;
             let end = begin.saturating_add(PATHS_A_TASK).min(pass.paths);
             let (mut batch, mut path) = (Vec::new(), Vec::new());
@@ -243,13 +241,10 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             }
             // All of them are copied once.
             let bytes = (2 * batch.len() * size_of::<LightVertex>()) as u64;
-            let kept = kept.fetch_add(bytes, Ordering::Relaxed) + bytes;
-            if kept > setup.memory {
-                Err(too_many(pass.paths, setup.memory))
-            } else {
-                Ok((batch, counting.rays))
-            }
-        })?;
+            ((batch, counting.rays), bytes)
+        };
+        let too_many = || too_many(pass.paths, setup.memory);
+        let tasks = setup.tasks_in_memory(pass.paths.div_ceil(PATHS_A_TASK), work, too_many)?;
         let (mut vertices, mut rays) = (Vec::new(), RayCounters::default());
         vertices.reserve_exact(tasks.iter().map(|(batch, _)| batch.len()).sum());
         for (batch, taken) in tasks {
@@ -279,9 +274,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         self.follow_light(counting, path, draws, Carried { wavelengths, time, hero, merging: Some(merging) });
         let moment = merging.moment(time);
         for (j, vertex) in (0..).zip(&*path) {
-            // A golden sequence rounds the powers of many photons evenly.
-            let dither = i.wrapping_mul(0x9E37_79B9).wrapping_add(0x6180_3399u32.wrapping_mul(j));
-            batch.extend(merging.stored(vertex, j, moment, unit(dither)));
+            batch.extend(merging.stored(vertex, j, moment, dither(i, j)));
         }
     }
 
@@ -317,7 +310,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             // The kernel 1/(N pi r^2) estimates a density per area of the true surface, so the cosine of `f |cos|` is divided by that of
             // the geometric normal [Veach 1997, 5.3.2].
             let merged = Contribution {
-                way: [scatterings + 2, t],
+                technique: Technique { s: scatterings + 2, t },
                 is_merged: true,
                 light: z.beta * scattered * y.photon.power() * (merging.kernel / cosine),
                 weight: merging.mis_weight(y, z, wi),

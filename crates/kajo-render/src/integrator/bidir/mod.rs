@@ -1,7 +1,7 @@
 //! Bidirectional path tracing [Lafortune and Willems 1993], [Veach and Guibas 1994], and light tracing.
 //!
 //! For each sample one path is followed from the camera and one from a light. Every point of the one is connected with
-//! every point of the other. A way to find a path is named by the points `s` that come from the light and `t` that come
+//! every point of the other. A technique is named by the points `s` that come from the light and `t` that come
 //! from the camera, light and lens counted:
 //!
 //! ```text
@@ -12,7 +12,7 @@
 //! s = 1, t = 1    a light drawn for a point of the lens, where that has an extent; its light is a splat, too
 //! ```
 //!
-//! What can be found in several ways counts with the weights of the power heuristic; see `partial_mis.rs`. Light on its way
+//! What several techniques find counts with the weights of the power heuristic; see `partial_mis.rs`. Light on its way
 //! through glass to a matt surface, a caustic, is left to `t = 1`, where path tracing has no technique of small variance.
 //!
 //! Light tracing [Arvo 1986], [Dutré, Lafortune and Willems 1993] is what remains when `t = 1` alone is used, with weight
@@ -51,10 +51,10 @@ use super::transport::{
     Event, LaneMis, MediumInteraction, MediumStack, PathState, SurfaceInteraction, advance, pass_straight,
     shade,
 };
+use crate::context::emptied;
 use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 use connect::LightEndPdf;
-use light_path::LightPath;
 pub(super) use light_path::ReusedVolume;
 #[cfg(test)]
 pub(super) use merge::LightVertex;
@@ -101,18 +101,27 @@ struct Carried<'a> {
     merging: Option<&'a Merging>,
 }
 
-/// Light that was found in one way.
+/// A sampling technique: how many vertices of the path are drawn from either end.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(test), expect(dead_code, reason = "tests look at each technique by itself"))]
+struct Technique {
+    /// From the light.
+    s: u32,
+    /// From the camera.
+    t: u32,
+}
+
+/// Light that one technique has found.
 #[derive(Clone, Copy, Debug)]
 struct Contribution {
-    /// Vertices drawn from the light and from the camera.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each way by itself"))]
-    way: [u32; 2],
-    /// Whether the last vertices of both are one.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each way by itself"))]
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each technique by itself"))]
+    technique: Technique,
+    /// Whether the last vertices of both subpaths are one.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each technique by itself"))]
     is_merged: bool,
-    /// Its estimate by this way alone.
+    /// The estimate by this technique alone.
     light: Spectrum,
-    /// How much that counts.
+    /// Its MIS weight.
     weight: f32,
     /// Whether only one wavelength is followed.
     is_single: bool,
@@ -258,7 +267,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let seen = if self.connects() { &light_path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
             observer.back_to_noted(s - 2);
-            if let Some(seen) = self.splat(y, [s, 1], carried, &mut from_light, observer) {
+            if let Some(seen) = self.splat(y, Technique { s, t: 1 }, carried, &mut from_light, observer) {
                 found(seen, &wavelengths);
             }
         }
@@ -502,7 +511,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         }
         let draws = &mut end.path.state.draws;
         for (s, y) in (2..=self.longest() - t).zip(light_path) {
-            if let Some(joined) = self.join([y, z], [s, t], carried, draws, observer) {
+            if let Some(joined) = self.join(y, z, Technique { s, t }, carried, draws, observer) {
                 found(joined, wavelengths);
             }
         }
@@ -591,7 +600,7 @@ impl<'a, V: ReusedVolume<'a>> Bidirectional<'a, V> {
         observer: &mut O,
     ) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
-        let mut path = V::reused(mem::take(&mut scratch.get::<LightPath<V::Kept>>().0));
+        let mut path = V::reused(mem::take(scratch.get::<Vec<Vertex<'static, V::Kept>>>()));
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
         let visible =
@@ -606,7 +615,7 @@ impl<'a, V: ReusedVolume<'a>> Bidirectional<'a, V> {
                     }
                 }
             });
-        scratch.get::<LightPath<V::Kept>>().keep(path);
+        *scratch.get::<Vec<Vertex<'static, V::Kept>>>() = emptied(path);
         if self.view.wants_light_groups() {
             aux.lights = groups;
         }

@@ -8,10 +8,10 @@ use kajo_core::scene::Scene;
 use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
-use super::Contribution;
 use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
 use super::volume::{Volume, WithMedia, grown_through_media};
+use super::{Contribution, Technique};
 use crate::integrator::transport::{
     MediumInteraction, PathState, SurfaceInteraction, follow, follow_phase, survives, survives_in_medium,
 };
@@ -78,7 +78,7 @@ impl Subpath<'_> {
     /// Light that the ray of a path from the camera has hit (`s = 0`).
     pub(super) fn hit(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
-            way: [0, self.state.scatterings + 2],
+            technique: Technique { s: 0, t: self.state.scatterings + 2 },
             is_merged: false,
             light: self.state.beta * radiance,
             weight,
@@ -229,7 +229,7 @@ impl Subpath<'_> {
         if state.mode == Transport::Importance {
             // The frame belongs to the camera's side, which may see another one.
             if same_frame {
-                state.beta *= vertex.correction([local.wo, sample.wi], wi);
+                state.beta *= vertex.correction(local.wo, sample.wi, wi);
             } else if delta {
                 return false;
             } else {

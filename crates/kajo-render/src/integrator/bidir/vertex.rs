@@ -118,14 +118,14 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
         let Some(wi) = local.to_local(self.wo) else { return Spectrum::BLACK };
         let bumped = local.bumped(&self.bsdf);
         let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
-        bsdf.eval(wi, local.wo, Transport::Importance) * self.correction([wi, local.wo], wo)
+        bsdf.eval(wi, local.wo, Transport::Importance) * self.correction(wi, local.wo, wo)
     }
 
     /// The factor for shading normals of light that goes from the light to `wo` [Veach 1997, 5.3.2].
     ///
-    /// * `local`: directions to the light and to the camera in the frame
-    pub fn correction(&self, [wi, local]: [Vec3; 2], wo: Vec3) -> f32 {
-        let factor = wi.z.abs() * self.cosine(wo) / (self.cosine(self.wo) * local.z.abs());
+    /// * `local_wi`, `local_wo`: directions to the light and to the camera in the frame
+    pub fn correction(&self, local_wi: Vec3, local_wo: Vec3, wo: Vec3) -> f32 {
+        let factor = local_wi.z.abs() * self.cosine(wo) / (self.cosine(self.wo) * local_wo.z.abs());
         if factor.is_finite() { factor } else { 0.0 }
     }
 

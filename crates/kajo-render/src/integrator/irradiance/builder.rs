@@ -176,16 +176,14 @@ impl<'b, 'a> Builder<'b, 'a> {
         let place = ctx.begin(pixel, 0);
         let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + place;
         let mut draws = ctx.draws;
-        let beside = self.view.ray(raster + Vec2::X, &mut draws.clone());
         let ray = self.view.ray(raster, &mut draws)?;
-        let footprint =
-            beside.map_or([0.0; 2], |beside| [beside.o.distance(ray.o), beside.d.distance(ray.d)]);
+        let footprint = self.view.footprint(&ray, raster, ctx.draws).unwrap_or_default();
         let mut counting = Counting::new(ctx);
         let look = FirstDiffuseVisitor { last: Some(ray.o), ..FirstDiffuseVisitor::from_camera() };
         let (_, look) = self.paths.observe_with(ctx, raster, &mut counting, look);
         ctx.rays = counting.rays;
         let mut seen = look.seen?;
-        seen.pixel_size = footprint[0] + look.length * footprint[1];
+        seen.pixel_size = footprint.at(look.length);
         (seen.pixel_size > 0.0 && seen.at.p.is_finite()).then_some(seen)
     }
 

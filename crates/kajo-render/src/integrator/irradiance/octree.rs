@@ -90,16 +90,10 @@ impl Octree {
     ///
     /// * `reach`: added to all that records reach
     fn near(&self, p: Vec3, reach: f32, each: &mut impl FnMut(u32)) {
-        self.visit(0, (self.center, self.half), (p, reach), each);
+        self.visit(0, self.center, self.half, p, reach, each);
     }
 
-    fn visit(
-        &self,
-        node: u32,
-        (center, half): (Vec3, f32),
-        (p, reach): (Vec3, f32),
-        each: &mut impl FnMut(u32),
-    ) {
+    fn visit(&self, node: u32, center: Vec3, half: f32, p: Vec3, reach: f32, each: &mut impl FnMut(u32)) {
         if (p - center).abs().max_element() > 2.0 * half + reach {
             return;
         }
@@ -114,7 +108,7 @@ impl Octree {
             if child != NONE {
                 let side = |bit: usize| if i & bit != 0 { quarter } else { -quarter };
                 let center = center + Vec3::new(side(1), side(2), side(4));
-                self.visit(child, (center, quarter), (p, reach), each);
+                self.visit(child, center, quarter, p, reach, each);
             }
         }
     }

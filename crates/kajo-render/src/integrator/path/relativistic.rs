@@ -169,13 +169,13 @@ impl FramePath<'_> {
 
     /// The vertex before in another frame, for light of that.
     fn receiver_in(&self, all: &Relativity, frame: FrameId) -> Receiver {
-        let Vertex { frame: own, t } = self.vertex;
-        receiver_in(all, &self.path.receiver, (own, t), frame).0
+        receiver_in(all, &self.path.receiver, self.vertex, frame).0
     }
 }
 
 /// A receiver in another frame, and its moment there. Planes of one frame are none of another, so it has no normal.
-fn receiver_in(all: &Relativity, to: &Receiver, (own, t): (FrameId, f64), frame: FrameId) -> (Receiver, f64) {
+fn receiver_in(all: &Relativity, to: &Receiver, from: Vertex, frame: FrameId) -> (Receiver, f64) {
+    let Vertex { frame: own, t } = from;
     if own == frame {
         return (*to, t);
     }
@@ -347,7 +347,8 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         state.draws.skip(1);
         let u = state.draws.next_2d();
         let own = receiver(surface, local);
-        let (to, _) = receiver_in(all, &own, (path.frame, path.t), frame);
+        let vertex = Vertex { frame: path.frame, t: path.t };
+        let (to, _) = receiver_in(all, &own, vertex, frame);
         let chosen = scene.lights_of(frame).sample(&to, u.x, self.integrator.settings.light_choice)?;
         let mut li = scene.sample_li(chosen.light, &to, chosen.pair(u), &state.wavelengths)?;
         let seen = all.light(li.wi.as_dvec3(), frame, path.frame).as_vec3();
@@ -364,7 +365,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let point = &surface.at.point;
         let start = offset_origin(point.p, point.p_error, point.ng, wi);
         let clear = Receiver { p: start, ..own };
-        let (clear, t) = receiver_in(all, &clear, (path.frame, path.t), frame);
+        let (clear, t) = receiver_in(all, &clear, vertex, frame);
         let segment = if frame == path.frame {
             point.ray_to(&li.at, li.wi, state.ray.time)
         } else {

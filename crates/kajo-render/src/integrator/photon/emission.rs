@@ -16,7 +16,7 @@ use kajo_core::scene::Scene;
 use kajo_math::rng::mix;
 
 use crate::integrator::bidir::{NoMedia, light_end, sample_emitted, shade_one_way};
-use crate::integrator::photon_map::{Arrival, Photon};
+use crate::integrator::photon_map::{Arrival, Photon, dither};
 use crate::integrator::transport::{Event, SurfaceInteraction, advance, pass_straight};
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext};
@@ -110,17 +110,17 @@ impl<'a> Emission<'a> {
         wanted: PhotonRequest,
         setup: &Setup<'_>,
     ) -> Result<PhotonBatch, SetupError> {
-        let kept = std::sync::atomic::AtomicU64::new(0);
-        let tasks = setup.tasks(self.paths.div_ceil(PATHS_A_TASK), |task| {
+        let work = |task: u32| {
             let begin = task * PATHS_A_TASK;
             let end = begin.saturating_add(PATHS_A_TASK).min(self.paths);
             let mut batch = PhotonBatch::default();
-            (begin..end).for_each(|i| self.emit_path([k, i], setup.seed, wavelengths, wanted, &mut batch));
+            (begin..end).for_each(|i| self.emit_path(k, i, setup.seed, wavelengths, wanted, &mut batch));
             // All of them are copied once.
             let bytes = 2 * (batch.photons.len() + batch.caustics.len()) * size_of::<Photon>();
-            let kept = kept.fetch_add(bytes as u64, std::sync::atomic::Ordering::Relaxed) + bytes as u64;
-            if kept > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(batch) }
-        })?;
+            (batch, bytes as u64)
+        };
+        let too_many = || self.too_many(setup.memory);
+        let tasks = setup.tasks_in_memory(self.paths.div_ceil(PATHS_A_TASK), work, too_many)?;
         let mut all = PhotonBatch::default();
         all.photons.reserve_exact(tasks.iter().map(|task| task.photons.len()).sum());
         for task in tasks {
@@ -142,7 +142,8 @@ impl<'a> Emission<'a> {
     /// Follows path `i` of map `k`.
     fn emit_path(
         &self,
-        [k, i]: [u32; 2],
+        k: u32,
+        i: u32,
         seed: u64,
         wavelengths: &Wavelengths,
         wanted: PhotonRequest,
@@ -160,8 +161,7 @@ impl<'a> Emission<'a> {
         // Whether nothing but mirrors and glass was met, and whether anything stands between a surface and the light.
         let (mut is_clear, mut is_held_up) = (true, false);
         let mut is_first = true;
-        // A golden sequence rounds the powers of many photons evenly.
-        let mut dither = i.wrapping_mul(0x9E37_79B9);
+        let mut stored = 0;
         while let Event::Surface = advance(scene, &mut path.state, &mut surface, &mut first, &mut counting) {
             is_held_up |= !path.state.connectable;
             let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
@@ -182,8 +182,8 @@ impl<'a> Emission<'a> {
                     scatterings: path.state.scatterings,
                     is_single: vertex.is_single,
                 };
-                let photon = Photon::new(&arrival, kajo_math::rng::unit(dither));
-                dither = dither.wrapping_add(0x6180_3399);
+                let photon = Photon::new(&arrival, dither(i, stored));
+                stored += 1;
                 batch.keep(photon, wanted, is_held_up, is_caustic);
             }
             let is_last = path.state.scatterings >= self.bounces;

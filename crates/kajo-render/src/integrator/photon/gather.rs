@@ -24,6 +24,7 @@ use kajo_math::Vec3;
 
 use super::{Maps, NEIGHBOURS, Photons};
 use crate::integrator::bidir::{NoMedia, Subpath, Vertex, shade_one_way};
+use crate::integrator::camera_view::RayFootprint;
 use crate::integrator::path::power_heuristic;
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
@@ -35,8 +36,7 @@ use crate::trail::{About, PathObserver, RayKind};
 pub struct Gatherer<'a, O> {
     photons: &'a Photons<'a>,
     observer: &'a mut O,
-    /// How far the rays of neighbouring pixels are apart where they start, and how fast they part.
-    footprint: [f32; 2],
+    footprint: RayFootprint,
     /// Light as the sensor sees it, linear RGB.
     pub radiance: [f32; 3],
     /// The first surface.
@@ -74,7 +74,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     pub fn new(
         photons: &'a Photons<'a>,
         observer: &'a mut O,
-        footprint: [f32; 2],
+        footprint: RayFootprint,
         scratch: NearestScratch,
     ) -> Self {
         let (radiance, first, albedo) = ([0.0; 3], None, None);
@@ -114,7 +114,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
                 return;
             }
             let z = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
-            if !self.scatter(&mut path, &z, (&surface, length), &mut from) {
+            if !self.scatter(&mut path, &z, &surface, length, &mut from) {
                 return;
             }
         }
@@ -125,7 +125,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         &mut self,
         path: &mut Subpath<'_>,
         z: &Vertex<'_>,
-        (surface, length): (&SurfaceInteraction, f32),
+        surface: &SurfaceInteraction,
+        length: f32,
         from: &mut Option<From>,
     ) -> bool {
         let roulette = self.photons.settings.roulette;
@@ -144,8 +145,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         match (&photons.maps, role) {
             (_, Role::Direct) => {}
             (Maps::Progressive { indirect, radius }, _) => {
-                let pixel = self.footprint[0] + length * self.footprint[1];
-                self.add_disk(&path.state, z, indirect, radius.at(pixel));
+                self.add_disk(&path.state, z, indirect, radius.at(self.footprint.at(length)));
             }
             (Maps::Fixed { caustics, .. }, Role::DirectAndCaustics) => {
                 self.add_nearest(&path.state, z, caustics)

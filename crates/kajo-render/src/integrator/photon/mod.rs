@@ -48,7 +48,6 @@ use kajo_core::light::BoundingSphere;
 use kajo_core::scene::Scene;
 use kajo_core::settings::PhotonMapUse;
 use kajo_math::Vec2;
-use kajo_math::rng::Stream;
 
 use super::camera_view::{CameraView, in_white_light};
 use super::path::{Path, PathSettings};
@@ -152,14 +151,6 @@ impl<'a> PhotonMapping<'a> {
         }
     }
 
-    /// What the photons of pass `k` carry: one set of wavelengths, since photons and paths of different ones cannot be joined.
-    fn wavelengths(&self, seed: u64, k: u32) -> Wavelengths {
-        let start = f64::from(Stream::new(seed ^ WAVELENGTH_SALT, [0, 0], 0).uniform(0));
-        // The golden sequence spreads those of any number of passes evenly.
-        let u = (start + f64::from(k) * 0.618_033_988_749_894_9).fract();
-        self.view.wavelengths_at((u as f32).min(1.0 - f32::EPSILON))
-    }
-
     /// The maps of part `k`, the rays that they took, and what is worth knowing of them.
     fn maps(
         &self,
@@ -228,16 +219,12 @@ impl Integrator for PhotonMapping<'_> {
     }
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
-        let wavelengths = self.wavelengths(setup.seed, k);
+        let wavelengths = self.view.wavelengths_of_pass(setup.seed ^ WAVELENGTH_SALT, k);
         let (maps, rays, notes) = self.maps(k, &wavelengths, setup)?;
         let integrator = Photons { view: &self.view, settings: self.settings, maps, wavelengths };
         Ok(WithState { integrator: Box::new(integrator), rays, notes })
     }
 }
-
-/// Scratch memory of k-nearest searches, kept from sample to sample.
-#[derive(Default)]
-struct KeptScratch(NearestScratch);
 
 impl Integrator for Photons<'_> {
     fn observe<O: PathObserver>(
@@ -249,7 +236,7 @@ impl Integrator for Photons<'_> {
     ) -> PixelSample {
         let view = self.view;
         let mut draws = ctx.draws;
-        let beside = view.ray(raster + Vec2::X, &mut draws.clone());
+        let start = draws;
         let Some(ray) = view.ray(raster, &mut draws) else { return PixelSample::default() };
         // Wavelengths are the photons'.
         draws.skip(1);
@@ -257,13 +244,12 @@ impl Integrator for Photons<'_> {
         let media = view.media_around(&ray, &wavelengths);
         let state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         observer.counters().camera += 1;
-        let footprint =
-            beside.map_or([0.0; 2], |beside| [beside.o.distance(ray.o), beside.d.distance(ray.d)]);
-        let scratch = std::mem::take(&mut ctx.scratch.get::<KeptScratch>().0);
+        let footprint = view.footprint(&ray, raster, start).unwrap_or_default();
+        let scratch = std::mem::take(ctx.scratch.get::<NearestScratch>());
         let mut gatherer = Gatherer::new(self, observer, footprint, scratch);
         gatherer.run(Subpath::from_camera(PathState { connectable: true, ..state }));
         let Gatherer { radiance, first, albedo, scratch, .. } = gatherer;
-        ctx.scratch.get::<KeptScratch>().0 = scratch;
+        *ctx.scratch.get::<NearestScratch>() = scratch;
         if view.wants_albedo() {
             ctx.aux.albedo = in_white_light(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
         }

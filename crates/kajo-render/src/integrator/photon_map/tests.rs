@@ -64,7 +64,7 @@ fn a_photon_takes_24_bytes_and_keeps_what_it_is_told() {
 fn the_power_of_many_photons_is_kept() {
     for power in [1.0, 0.998, 0.50049, 3e-5] {
         let n = 4096u32;
-        let dithers = (0..n).map(|i| kajo_math::rng::unit(i.wrapping_mul(0x9E37_79B9)));
+        let dithers = (0..n).map(|i| dither(i, 0));
         let photons = dithers.map(|u| Photon::new(&arrival(Vec3::ZERO, Spectrum::grey(power)), u));
         let sum: f64 = photons.map(|photon| f64::from(photon.power()[1])).sum();
         assert!((sum / f64::from(n) / f64::from(power) - 1.0).abs() < 1e-4, "{power}: {sum}");

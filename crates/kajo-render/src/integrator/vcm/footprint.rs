@@ -33,8 +33,9 @@ fn size_at(view: &CameraView<'_>, place: [u32; 2]) -> Option<f32> {
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let mut draws = SampleStream::new(&sampler, 0, place, 0);
     let raster = Vec2::from([0, 1].map(|i| (place[i] as f32 + 0.5) / GRID as f32 * view.size[i] as f32));
-    let beside = view.ray(raster + Vec2::X, &mut draws.clone())?;
+    let start = draws;
     let ray = view.ray(raster, &mut draws)?;
+    let footprint = view.footprint(&ray, raster, start)?;
     let wavelengths = view.wavelengths_at(0.5);
     let media = view.media_around(&ray, &wavelengths);
     let mut path = Subpath::from_camera(PathState::new(
@@ -55,7 +56,7 @@ fn size_at(view: &CameraView<'_>, place: [u32; 2]) -> Option<f32> {
             continue;
         }
         if !bsdf.is_delta() {
-            return Some(ray.o.distance(beside.o) + length * ray.d.distance(beside.d));
+            return Some(footprint.at(length));
         }
         let vertex = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
         if path.state.scatterings == MOST_MIRRORS || !path.scatter(&vertex, &surface, false, &mut counting) {

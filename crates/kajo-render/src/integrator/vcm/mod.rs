@@ -19,12 +19,10 @@
 mod footprint;
 mod settings;
 
-use kajo_color::Wavelengths;
 use kajo_core::camera::Camera;
 use kajo_core::light::BoundingSphere;
 use kajo_core::scene::Scene;
 use kajo_math::Vec2;
-use kajo_math::rng::Stream;
 
 use super::Integrator;
 use super::bidir::{
@@ -105,16 +103,8 @@ impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
             paths: self.settings.photons,
             radius: self.first_radius * share,
             moments,
-            wavelengths: self.wavelengths(seed, k),
+            wavelengths: self.view.wavelengths_of_pass(seed ^ WAVELENGTH_SALT, k),
         }
-    }
-
-    /// What the paths of pass `k` carry: one set of wavelengths, since paths of different ones cannot be merged.
-    fn wavelengths(&self, seed: u64, k: u32) -> Wavelengths {
-        let start = f64::from(Stream::new(seed ^ WAVELENGTH_SALT, [0, 0], 0).uniform(0));
-        // The golden sequence spreads those of any number of passes evenly.
-        let u = (start + f64::from(k) * 0.618_033_988_749_894_9).fract();
-        self.view.wavelengths_at((u as f32).min(1.0 - f32::EPSILON))
     }
 }
 

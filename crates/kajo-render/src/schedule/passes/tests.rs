@@ -90,10 +90,10 @@ fn passes_end_where_they_should() {
     let goal = Goal::default();
     for (done, quota, end) in [(0, 0, 1), (40, 10, 50), (50, 100, 64), (64, 1000, 128), (960, 1000, 1000)] {
         let position = Position { done, ..Position::default() };
-        assert_eq!(position.next_samples(&settings, &goal, (quota, &|_| u32::MAX)), Some(done..end));
+        assert_eq!(position.next_samples(&settings, &goal, quota, &|_| u32::MAX), Some(done..end));
     }
     let end = Position { done: 1000, ..Position::default() };
-    assert_eq!(end.next_samples(&settings, &goal, (1, &|_| u32::MAX)), None);
+    assert_eq!(end.next_samples(&settings, &goal, 1, &|_| u32::MAX), None);
 }
 
 #[test]

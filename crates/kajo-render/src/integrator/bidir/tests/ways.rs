@@ -59,7 +59,7 @@ fn ways_of<'a, V: Volume<'a>>(
                 if found.raster.is_some_and(outside) {
                     return;
                 }
-                let [s, t] = found.way.map(|n| n as usize);
+                let [s, t] = [found.technique.s, found.technique.t].map(|n| n as usize);
                 let light = f64::from(found.light[0]) / f64::from(samples);
                 let points = s + t - usize::from(found.is_merged);
                 let alone = if found.is_merged { &mut sums.merged } else { &mut sums.alone };

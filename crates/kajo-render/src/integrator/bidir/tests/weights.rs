@@ -29,7 +29,7 @@ struct Whole<'s> {
 
 /// How a path was found.
 #[derive(Clone, Copy, Debug)]
-enum Technique {
+enum Sampled {
     /// So many points come from the light.
     Connected(usize),
     /// This point comes from both ends.
@@ -79,7 +79,7 @@ impl Whole<'_> {
 /// Draws paths from both ends, and hands all whole ones to `look` with the way in which they were found and the weight.
 ///
 /// * `radius`: in which vertices are merged, if they are
-fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Technique, f32)) {
+fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Sampled, f32)) {
     let scene = scene(text);
     let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
@@ -147,7 +147,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Techn
                 break;
             }
         }
-        let mut whole = |from_light: &[Vertex], from_camera: &[Vertex], way: Technique, weight: f32| {
+        let mut whole = |from_light: &[Vertex], from_camera: &[Vertex], way: Sampled, weight: f32| {
             let mut places = vec![PathPoint { p: emitted.at.p(), n: emitted.at.n(), vertex: None }];
             let chain = from_light.iter().chain(from_camera.iter().rev());
             places.extend(chain.map(|v| PathPoint { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
@@ -170,17 +170,19 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Techn
         for i in 1..=path.len() {
             let y = &path[i - 1];
             for j in 1..=views.len() {
-                let way = [i as u32 + 1, j as u32 + 1];
-                if let Some(found) = it.join([y, &views[j - 1]], way, began, &mut again, &mut rays) {
-                    whole(&path[..i], &views[..j], Technique::Connected(i + 1), found.weight);
+                let technique = Technique { s: i as u32 + 1, t: j as u32 + 1 };
+                if let Some(found) = it.join(y, &views[j - 1], technique, began, &mut again, &mut rays) {
+                    whole(&path[..i], &views[..j], Sampled::Connected(i + 1), found.weight);
                     if let Some(merging) = merging {
                         let merged = merging.mis_weight_of(y, &drawn_from(&views[j - 1], y, merging));
-                        whole(&path[..i], &views[..j], Technique::Merged(i), merged);
+                        whole(&path[..i], &views[..j], Sampled::Merged(i), merged);
                     }
                 }
             }
-            if let Some(found) = it.splat(y, [i as u32 + 1, 1], began, &mut again, &mut rays) {
-                whole(&path[..i], &[], Technique::Connected(i + 1), found.weight);
+            if let Some(found) =
+                it.splat(y, Technique { s: i as u32 + 1, t: 1 }, began, &mut again, &mut rays)
+            {
+                whole(&path[..i], &[], Sampled::Connected(i + 1), found.weight);
             }
         }
         assert!(pdf_camera > 0.0);
@@ -235,8 +237,8 @@ fn weights_are_those_of_the_definition() {
             }
             let sum: f64 = densities.iter().flatten().map(|p| p * p).sum();
             let (own, counts) = match way {
-                Technique::Connected(s) => (densities[0][s], &mut counts),
-                Technique::Merged(i) => (densities[1][i], &mut merged),
+                Sampled::Connected(s) => (densities[0][s], &mut counts),
+                Sampled::Merged(i) => (densities[1][i], &mut merged),
             };
             let expected = own * own / sum;
             assert!(
