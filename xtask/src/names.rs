@@ -12,6 +12,9 @@ const RETIRED: [(&[&str], &str); 4] = [
     (&["Seen", "Walk", "Way"], "what is seen, or followed: a name for one thing"),
 ];
 
+/// Those of them that no part of the name of a type may be.
+const NOUNS: [&str; 5] = ["Place", "Places", "Piece", "Pieces", "Way"];
+
 /// What is wrong with the names in the files of a workspace.
 ///
 /// * `files`: path from the root, and text
@@ -50,8 +53,20 @@ fn instead_of(name: &str, is_lower: bool) -> Option<&'static str> {
     if is_lower && ["place", "seen", "walk", "met"].contains(&name) {
         return None;
     }
-    let is = |retired: &&str| if is_lower { retired.to_lowercase() == name } else { *retired == name };
+    let words = words_of(name);
+    let is = |retired: &&str| match is_lower {
+        true => retired.to_lowercase() == name,
+        // A longer name of a type may end in a participle, as in what was seen, but not in one of these nouns.
+        false => *retired == name || NOUNS.contains(retired) && words.contains(retired),
+    };
     RETIRED.iter().find(|(retired, _)| retired.iter().any(is)).map(|(_, instead)| *instead)
+}
+
+/// The parts of the name of a type, each from one capital letter to the next.
+fn words_of(name: &str) -> Vec<&str> {
+    let starts: Vec<usize> = name.match_indices(char::is_uppercase).map(|(i, _)| i).collect();
+    let ends = starts.iter().skip(1).copied().chain([name.len()]);
+    starts.iter().zip(ends).map(|(&start, end)| &name[start..end]).collect()
 }
 
 /// The kind and the name of what a line begins to define, if it does.
@@ -91,7 +106,16 @@ mod tests {
         {
             assert_eq!(found("crates/a/src/b.rs", text), 1, "{text}");
         }
-        for text in ["fn place() {}", "struct Placement;", "fn walk() {}", "struct PathSegment;"] {
+        for text in ["struct PatchWay;", "enum LeafPlace {}", "struct PieceOfCake;"] {
+            assert_eq!(found("crates/x/src/a.rs", text), 1, "{text}");
+        }
+        for text in [
+            "fn place() {}",
+            "struct Placement;",
+            "fn walk() {}",
+            "struct PathSegment;",
+            "struct Piecewise1D;",
+        ] {
             assert_eq!(found("crates/a/src/b.rs", text), 0, "{text}");
         }
         assert_eq!(found("crates/a/src/pieces.rs", ""), 1);

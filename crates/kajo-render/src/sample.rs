@@ -16,7 +16,7 @@ pub struct PixelSample {
 /// The nearest surface along a camera ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
-    /// Parameter of the ray: the distance when its direction is a unit vector.
+    /// Length of the path to it, along the camera's ray or its curve; negative behind the start of parallel rays that see what is there.
     pub t: f32,
     /// World space unit normal as stored with the surface, not turned towards the viewer.
     pub n: Vec3,

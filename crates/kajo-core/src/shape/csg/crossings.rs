@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use kajo_math::{DVec3, Ray, Transform, Vec3};
 
-use super::{Leaf, LeafPlace, Solid};
+use super::{Leaf, LeafTransform, Solid};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// How well a crossing is known along the ray, in units of the size of the numbers that it is computed from: a few roundings
@@ -150,7 +150,7 @@ impl Solid {
     /// Position and normals of a leaf, in the space of the result.
     pub(super) fn leaf_surface(&self, leaf: &Leaf, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let own = self.shapes.surface_at(leaf.shape, &leaf.ray(ray), hit);
-        leaf.in_place(ray.time, own, |own, place| own.transformed(place))
+        leaf.in_place(ray.time, own, |own, transform| own.transformed(transform))
     }
 
     /// Whether it is for a leaf to say if the result holds the point `p` at a ray's time.
@@ -192,16 +192,16 @@ impl Leaf {
     /// A ray in the leaf's own space.
     #[inline]
     fn ray(&self, ray: &Ray) -> Ray {
-        self.in_place(ray.time, *ray, |ray, place| place.ray_in_object(&ray))
+        self.in_place(ray.time, *ray, |ray, transform| transform.ray_in_object(&ray))
     }
 
     /// `value`, taken through `f` with the leaf's map at a ray's time where that is not the identity.
     #[inline]
     pub(super) fn in_place<T>(&self, time: f32, value: T, f: impl FnOnce(T, &Transform) -> T) -> T {
-        match &self.place {
+        match &self.transform {
             None => value,
-            Some(LeafPlace::Still(place)) => f(value, place),
-            Some(LeafPlace::Moving(motion)) => f(value, &motion.at(time)),
+            Some(LeafTransform::Still(transform)) => f(value, transform),
+            Some(LeafTransform::Moving(motion)) => f(value, &motion.at(time)),
         }
     }
 }

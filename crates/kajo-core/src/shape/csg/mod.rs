@@ -97,7 +97,7 @@ struct Leaf {
     /// The map when the shutter opens.
     start: DAffine3,
     /// The map with its inverse, where it moves anything.
-    place: Option<LeafPlace>,
+    transform: Option<LeafTransform>,
     /// In the space of the result, at any time while the shutter is open.
     bounds: Aabb,
     /// Number of its first part among those of all leaves.
@@ -113,7 +113,7 @@ struct Leaf {
 
 /// The map of a leaf.
 #[derive(Clone, Debug)]
-enum LeafPlace {
+enum LeafTransform {
     Still(Transform),
     Moving(Box<MovingTransform>),
 }
@@ -169,7 +169,7 @@ impl Csg {
 
     /// Whether any leaf moves while the shutter is open.
     pub(crate) fn moves(&self) -> bool {
-        self.0.leaves.iter().any(|leaf| matches!(leaf.place, Some(LeafPlace::Moving(_))))
+        self.0.leaves.iter().any(|leaf| matches!(leaf.transform, Some(LeafTransform::Moving(_))))
     }
 
     /// The numbers of the materials of its leaves.
@@ -203,12 +203,12 @@ impl Csg {
     /// `f` of the leaf of a hit, with the hit and a point, as it is when the shutter opens, in the leaf's own space.
     fn at_leaf<T>(&self, hit: &Hit, p: Vec3, f: impl FnOnce(&Shapes, ShapeId, &Hit, Vec3) -> T) -> T {
         let (_, leaf, part) = self.leaf_of(hit.part);
-        let p = leaf.in_place(0.0, p, |p, place| place.object_from_world.transform_point3(p));
+        let p = leaf.in_place(0.0, p, |p, transform| transform.object_from_world.transform_point3(p));
         f(&self.0.shapes, leaf.shape, &Hit { part, ..*hit }, p)
     }
 }
 
-/// What is known of a leaf besides its shape and its place.
+/// What is known of a leaf besides its shape and its transform.
 struct LeafText {
     material: Option<u32>,
     brings_materials: bool,
@@ -267,16 +267,16 @@ impl Making {
         let shape = shape.store(&mut self.shapes).ok_or(CsgError::TooMany)?;
         let own = self.shapes.bounds(shape);
         let moving = map.constant().is_none().then(|| MovingTransform::new(map.clone(), self.shutter));
-        let place = match moving.filter(MovingTransform::moves) {
-            Some(moving) => Some(LeafPlace::Moving(Box::new(moving))),
-            None => (!still.is_identity()).then_some(LeafPlace::Still(still)),
+        let transform = match moving.filter(MovingTransform::moves) {
+            Some(moving) => Some(LeafTransform::Moving(Box::new(moving))),
+            None => (!still.is_identity()).then_some(LeafTransform::Still(still)),
         };
-        let bounds = match &place {
+        let bounds = match &transform {
             _ if own.is_empty() => Aabb::EMPTY,
             _ if !own.is_finite() => Aabb::EVERYWHERE,
-            Some(LeafPlace::Moving(moving)) => moving.bounds_of_all_times(&own),
+            Some(LeafTransform::Moving(moving)) => moving.bounds_of_all_times(&own),
             // Widened by what rounding may take, where it stands as it is too.
-            Some(LeafPlace::Still(_)) | None => still.bounds(&own),
+            Some(LeafTransform::Still(_)) | None => still.bounds(&own),
         };
         let first_part = self.parts;
         let parts = self.parts.checked_add(self.shapes.part_count(shape));
@@ -286,7 +286,7 @@ impl Making {
             shape,
             map,
             start,
-            place,
+            transform,
             bounds,
             first_part,
             material,
@@ -344,8 +344,8 @@ fn bounds_of(expression: &SetExpression, of_leaf: &impl Fn(u32) -> Aabb) -> Aabb
 impl Leaf {
     /// See [`Surface::bounds_during`].
     fn bounds_during(&self, shapes: &Shapes, part: [f64; 2]) -> Aabb {
-        match &self.place {
-            Some(LeafPlace::Moving(motion)) if self.bounds.is_finite() => {
+        match &self.transform {
+            Some(LeafTransform::Moving(motion)) if self.bounds.is_finite() => {
                 let [start, end] = motion.bounds(&shapes.bounds(self.shape), part);
                 start.union(end)
             }
@@ -384,7 +384,7 @@ impl Solid {
     fn plane_patch(&self, leaf: &Leaf) -> Option<Patch> {
         let plane = <Plane as Pooled<Shapes>>::find(&self.shapes, leaf.shape)?;
         let bounds = self.bounds.is_finite().then_some(self.bounds)?;
-        if let Some(LeafPlace::Moving(motion)) = &leaf.place {
+        if let Some(LeafTransform::Moving(motion)) = &leaf.transform {
             return moving_plane_patch(plane, motion, &bounds);
         }
         let map = leaf.start;
@@ -406,8 +406,8 @@ impl Solid {
             return own;
         }
         self.shapes.tessellate(leaf.shape, around, &mut own);
-        leaf.in_place(0.0, own, |mut own, place| {
-            own.place(place);
+        leaf.in_place(0.0, own, |mut own, transform| {
+            own.place(transform);
             own
         })
     }
@@ -419,7 +419,7 @@ impl Solid {
             self.shapes.patches(leaf.shape, &mut |part, patch| {
                 let patch = if leaf.inverted { patch.by_area() } else { Some(patch) };
                 let placed = match patch {
-                    Some(patch) if leaf.place.is_some() => patch.transformed(&leaf.start),
+                    Some(patch) if leaf.transform.is_some() => patch.transformed(&leaf.start),
                     patch => patch,
                 };
                 placed.into_iter().for_each(|patch| visit(leaf.first_part + part, patch));
@@ -492,12 +492,12 @@ impl Surface for Csg {
     fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents {
         let own = self.at_leaf(hit, p, |shapes, shape, hit, p| shapes.tangents_at(shape, hit, p));
         let (_, leaf, _) = self.leaf_of(hit.part);
-        leaf.in_place(0.0, own, |own, place| own.transformed(place))
+        leaf.in_place(0.0, own, |own, transform| own.transformed(transform))
     }
 
     fn part_motion(&self, part: u32) -> Option<&MovingTransform> {
-        match &self.leaf_of(part).1.place {
-            Some(LeafPlace::Moving(motion)) => Some(motion),
+        match &self.leaf_of(part).1.transform {
+            Some(LeafTransform::Moving(motion)) => Some(motion),
             _ => None,
         }
     }
