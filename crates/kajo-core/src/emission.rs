@@ -190,13 +190,13 @@ impl EmissionTerm {
         self.colors.iter().map(AnyTexture::from).chain(amounts)
     }
 
-    fn at(&self, place: TextureEvaluator<'_>, leaving: Leaving, wavelengths: &Wavelengths) -> Spectrum {
+    fn at(&self, evaluator: TextureEvaluator<'_>, leaving: Leaving, wavelengths: &Wavelengths) -> Spectrum {
         let light = match &self.gas {
             None => self.emission.at(wavelengths),
             Some(gas) => gas.radiance(leaving.p, leaving.d, wavelengths),
         };
-        let light = self.colors.iter().fold(light, |light, color| light * color.at(place, wavelengths));
-        self.amounts.iter().fold(light, |light, amount| light * amount.at(place).clamp(0.0, 1.0))
+        let light = self.colors.iter().fold(light, |light, color| light * color.at(evaluator, wavelengths));
+        self.amounts.iter().fold(light, |light, amount| light * amount.at(evaluator).clamp(0.0, 1.0))
     }
 
     fn mean(&self, textures: &Textures) -> [f32; 3] {
@@ -232,8 +232,8 @@ impl VariedEmission {
         leaving: Leaving,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
-        let place = textures.evaluator(at);
-        let radiance = |term: &EmissionTerm| term.at(place, leaving, wavelengths);
+        let evaluator = textures.evaluator(at);
+        let radiance = |term: &EmissionTerm| term.at(evaluator, leaving, wavelengths);
         self.terms.iter().map(radiance).fold(Spectrum::BLACK, |sum, light| sum + light)
     }
 

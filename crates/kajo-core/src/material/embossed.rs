@@ -51,15 +51,15 @@ pub enum Relief {
 
 impl Relief {
     /// How the normal leans at a point.
-    fn lean(&self, place: TextureEvaluator<'_>) -> Lean {
+    fn lean(&self, evaluator: TextureEvaluator<'_>) -> Lean {
         match self {
             Relief::Normals { normals, scale } => {
-                let m = 2.0 * Vec3::from(normals.rgb(place).to_rgb()) - 1.0;
-                let across = scale.at(place) * normals.along(place.textures, m.truncate());
+                let m = 2.0 * Vec3::from(normals.rgb(evaluator).to_rgb()) - 1.0;
+                let across = scale.at(evaluator) * normals.along(evaluator.textures, m.truncate());
                 Lean::Tangent(across.extend(m.z))
             }
             Relief::Heights { heights, height } => {
-                let TextureSlope { uv, p } = heights.slope(place, *height);
+                let TextureSlope { uv, p } = heights.slope(evaluator, *height);
                 Lean::Slope { by_uv: uv, by_p: p }
             }
         }

@@ -83,23 +83,23 @@ impl Glass {
     }
 
     fn pane(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
-        let place = appearance.textures.evaluator(&at.context);
-        let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?.at(place);
+        let evaluator = appearance.textures.evaluator(&at.context);
+        let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?.at(evaluator);
         let eta = self.eta(at.wavelengths) / at.eta_outside;
-        let microfacets = self.facets(place);
+        let microfacets = self.facets(evaluator);
         Some(ThinDielectric { eta, optical_depth, microfacets })
     }
 
-    fn facets(&self, place: TextureEvaluator<'_>) -> Microfacets {
-        let roughness = self.settings.roughness.at(place);
-        self.settings.grain.facets(self.settings.shape, roughness * roughness, place)
+    fn facets(&self, evaluator: TextureEvaluator<'_>) -> Microfacets {
+        let roughness = self.settings.roughness.at(evaluator);
+        self.settings.grain.facets(self.settings.shape, roughness * roughness, evaluator)
     }
 
-    fn classic(&self, place: TextureEvaluator<'_>) -> Phong {
+    fn classic(&self, evaluator: TextureEvaluator<'_>) -> Phong {
         Phong {
             transparent: Spectrum::rgb(1.0, 1.0, 1.0),
             specular: Spectrum::rgb(0.04, 0.04, 0.04),
-            exponent: self.facets(place).exponent(),
+            exponent: self.facets(evaluator).exponent(),
             absorption: Vec3::from(self.settings.absorption).into(),
             eta: if self.settings.pane.is_some() { 1.0 } else { self.settings.index.index_d() as f32 },
             ..Phong::BLACK

@@ -31,8 +31,8 @@ impl Matte {
 }
 
 /// The classic model: roughness is nothing to it.
-fn classic(color: &ColorTexture, place: TextureEvaluator<'_>) -> Phong {
-    let diffuse = place.at.tinted(color.rgb(place), &Wavelengths::RGB);
+fn classic(color: &ColorTexture, evaluator: TextureEvaluator<'_>) -> Phong {
+    let diffuse = evaluator.at.tinted(color.rgb(evaluator), &Wavelengths::RGB);
     Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
 }
 
@@ -59,9 +59,9 @@ impl Material for Matte {
     }
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
-        let place = appearance.textures.evaluator(&at.context);
-        let reflectance = at.context.tinted(self.color.at(place, at.wavelengths), at.wavelengths);
-        let roughness = self.roughness.at(place);
+        let evaluator = appearance.textures.evaluator(&at.context);
+        let reflectance = at.context.tinted(self.color.at(evaluator, at.wavelengths), at.wavelengths);
+        let roughness = self.roughness.at(evaluator);
         if roughness == 0.0 {
             return Bsdf::Lambert(Lambert::new(reflectance));
         }

@@ -56,8 +56,8 @@ impl Material for MeasuredMaterial {
     }
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        let place = appearance.textures.evaluator(&at.context);
-        Orientation { turn: self.brdf.is_anisotropic().then(|| self.rotation.at(place)), lean: None }
+        let evaluator = appearance.textures.evaluator(&at.context);
+        Orientation { turn: self.brdf.is_anisotropic().then(|| self.rotation.at(evaluator)), lean: None }
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {

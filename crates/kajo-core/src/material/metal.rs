@@ -57,17 +57,17 @@ impl Metal {
             || matches!(&self.substance, Substance::Color(color) if color.varies())
     }
 
-    fn facets(&self, place: TextureEvaluator<'_>) -> Microfacets {
-        let roughness = self.roughness.at(place);
-        self.grain.facets(self.shape, roughness * roughness, place)
+    fn facets(&self, evaluator: TextureEvaluator<'_>) -> Microfacets {
+        let roughness = self.roughness.at(evaluator);
+        self.grain.facets(self.shape, roughness * roughness, evaluator)
     }
 
-    fn classic(&self, place: TextureEvaluator<'_>) -> Phong {
+    fn classic(&self, evaluator: TextureEvaluator<'_>) -> Phong {
         let f0 = match &self.substance {
             Substance::Measured(metal) => Spectrum::from(Vec3::from(metal.rgb())),
-            Substance::Color(color) => place.at.tinted(color.rgb(place), &Wavelengths::RGB),
+            Substance::Color(color) => evaluator.at.tinted(color.rgb(evaluator), &Wavelengths::RGB),
         };
-        Phong { specular: f0, reflective: f0, exponent: self.facets(place).exponent(), ..Phong::BLACK }
+        Phong { specular: f0, reflective: f0, exponent: self.facets(evaluator).exponent(), ..Phong::BLACK }
     }
 }
 
@@ -107,7 +107,7 @@ impl Material for Metal {
     }
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
-        let place = appearance.textures.evaluator(&at.context);
+        let evaluator = appearance.textures.evaluator(&at.context);
         let fresnel = match &self.substance {
             Substance::Measured(metal) => {
                 let (eta, k) = metal.at(at.wavelengths);
@@ -115,10 +115,10 @@ impl Material for Metal {
                 MetalFresnel::Complex { eta: eta * outside, k: k * outside }
             }
             Substance::Color(color) => {
-                let f0 = at.context.tinted(color.at(place, at.wavelengths), at.wavelengths);
+                let f0 = at.context.tinted(color.at(evaluator, at.wavelengths), at.wavelengths);
                 MetalFresnel::Tinted { f0, f82: Spectrum::WHITE }
             }
         };
-        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(place) })
+        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(evaluator) })
     }
 }

@@ -50,16 +50,21 @@ impl Default for Grain {
 impl Grain {
     /// The facets of a surface with the roughness `alpha` on the whole.
     #[inline]
-    pub fn facets(&self, shape: NormalDistribution, alpha: f32, place: TextureEvaluator<'_>) -> Microfacets {
+    pub fn facets(
+        &self,
+        shape: NormalDistribution,
+        alpha: f32,
+        evaluator: TextureEvaluator<'_>,
+    ) -> Microfacets {
         match self.anisotropy {
             FloatTexture::Constant(0.0) => Microfacets::new(shape, alpha),
-            _ => Microfacets::brushed(shape, alpha, self.anisotropy.at(place)),
+            _ => Microfacets::brushed(shape, alpha, self.anisotropy.at(evaluator)),
         }
     }
 
     /// The frame that the facets need.
-    pub fn orientation(&self, place: TextureEvaluator<'_>) -> Orientation {
-        Orientation { turn: self.exists().then(|| self.rotation.at(place)), lean: None }
+    pub fn orientation(&self, evaluator: TextureEvaluator<'_>) -> Orientation {
+        Orientation { turn: self.exists().then(|| self.rotation.at(evaluator)), lean: None }
     }
 
     /// Whether the facets are not alike all around.

@@ -93,7 +93,7 @@ impl PhongMaterial {
     /// The model at a place.
     ///
     /// * `phong`: what it is without textures and colours of a mesh
-    fn textured(&self, phong: Phong, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Phong {
+    fn textured(&self, phong: Phong, evaluator: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Phong {
         let mut phong = phong;
         if let Some(textures) = &self.textures {
             let colors = [
@@ -105,13 +105,13 @@ impl PhongMaterial {
             ];
             for (color, texture) in std::iter::zip(colors, textures.colors()) {
                 if let Some(texture) = texture {
-                    *color *= texture.at(place, wavelengths);
+                    *color *= texture.at(evaluator, wavelengths);
                 }
             }
-            phong.exponent = textures.exponent.map_or(phong.exponent, |exponent| exponent.at(place));
+            phong.exponent = textures.exponent.map_or(phong.exponent, |exponent| exponent.at(evaluator));
         }
         let [ambient, diffuse] =
-            [phong.ambient, phong.diffuse].map(|color| place.at.tinted(color, wavelengths));
+            [phong.ambient, phong.diffuse].map(|color| evaluator.at.tinted(color, wavelengths));
         Phong { ambient, diffuse, ..phong }
     }
 

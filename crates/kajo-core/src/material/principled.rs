@@ -65,14 +65,14 @@ impl SpecularLayer {
         }
     }
 
-    fn at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> bsdf::Specular {
+    fn at(&self, evaluator: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> bsdf::Specular {
         match self {
-            SpecularLayer::Factor(color) => bsdf::Specular::Factor(color.at(place, wavelengths)),
+            SpecularLayer::Factor(color) => bsdf::Specular::Factor(color.at(evaluator, wavelengths)),
             &SpecularLayer::F0 { ref factor, scale, ref weight } => bsdf::Specular::F0 {
-                factor: factor.at(place, wavelengths) * scale,
+                factor: factor.at(evaluator, wavelengths) * scale,
                 // Of the colour, so that it does not depend on the wavelengths of a path.
-                largest: factor.rgb(place).max_lane() * scale,
-                weight: weight.at(place),
+                largest: factor.rgb(evaluator).max_lane() * scale,
+                weight: weight.at(evaluator),
             },
         }
     }
@@ -226,10 +226,10 @@ impl Layers {
             || self.subsurface.is_some_and(|body| body.share.varies())
     }
 
-    fn classic(&self, place: TextureEvaluator<'_>) -> Phong {
-        let color = place.at.tinted(self.color.rgb(place), &Wavelengths::RGB);
-        let metal = self.metalness.at(place);
-        let glass = (1.0 - metal) * self.transmission.at(place);
+    fn classic(&self, evaluator: TextureEvaluator<'_>) -> Phong {
+        let color = evaluator.at.tinted(self.color.rgb(evaluator), &Wavelengths::RGB);
+        let metal = self.metalness.at(evaluator);
+        let glass = (1.0 - metal) * self.transmission.at(evaluator);
         let gloss = Spectrum::rgb(0.04, 0.04, 0.04) * (1.0 - metal);
         Phong {
             ambient: color * (1.0 - metal - glass),
@@ -237,58 +237,64 @@ impl Layers {
             specular: color * metal + gloss,
             reflective: color * metal,
             transparent: color * glass,
-            exponent: self.facets(place).exponent(),
+            exponent: self.facets(evaluator).exponent(),
             absorption: Vec3::from(self.absorption).into(),
-            eta: if self.thin { 1.0 } else { self.eta.at(place) },
+            eta: if self.thin { 1.0 } else { self.eta.at(evaluator) },
         }
     }
 
     /// The facets of the glossy surface.
-    fn facets(&self, place: TextureEvaluator<'_>) -> Microfacets {
-        self.grain.facets(NormalDistribution::Ggx, squared(self.roughness, place), place)
+    fn facets(&self, evaluator: TextureEvaluator<'_>) -> Microfacets {
+        self.grain.facets(NormalDistribution::Ggx, squared(self.roughness, evaluator), evaluator)
     }
 
     /// The layers over a base.
     ///
     /// * `eta`: index of refraction of the base over that of the medium above
-    fn above(&self, base: Base, eta: f32, place: TextureEvaluator<'_>, at: &ShadingPoint<'_>) -> Principled {
-        let facets = self.facets(place);
+    fn above(
+        &self,
+        base: Base,
+        eta: f32,
+        evaluator: TextureEvaluator<'_>,
+        at: &ShadingPoint<'_>,
+    ) -> Principled {
+        let facets = self.facets(evaluator);
         Principled {
             base,
-            color: self.color_at(place, at.wavelengths),
-            specular: self.specular.at(place, at.wavelengths),
-            diffuse_roughness: self.diffuse_roughness.at(place),
+            color: self.color_at(evaluator, at.wavelengths),
+            specular: self.specular.at(evaluator, at.wavelengths),
+            diffuse_roughness: self.diffuse_roughness.at(evaluator),
             alpha: Vec2::new(facets.alpha_x, facets.alpha_y),
             eta: if base == Base::Glass { eta } else { eta.max(1.0) },
-            coat: self.coat.at(place),
-            coat_color: self.coat_color.at(place, at.wavelengths),
-            coat_alpha: squared(self.coat_roughness, place),
-            coat_eta: (self.coat_eta.at(place) / at.eta_outside).max(1.0),
-            fuzz: self.fuzz.at(place),
-            fuzz_color: self.fuzz_color.at(place, at.wavelengths),
-            fuzz_roughness: self.fuzz_roughness.at(place),
+            coat: self.coat.at(evaluator),
+            coat_color: self.coat_color.at(evaluator, at.wavelengths),
+            coat_alpha: squared(self.coat_roughness, evaluator),
+            coat_eta: (self.coat_eta.at(evaluator) / at.eta_outside).max(1.0),
+            fuzz: self.fuzz.at(evaluator),
+            fuzz_color: self.fuzz_color.at(evaluator, at.wavelengths),
+            fuzz_roughness: self.fuzz_roughness.at(evaluator),
             diffuse_normal: DiffuseNormal::SAME,
         }
     }
 
-    fn color_at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
-        place.at.tinted(self.color.at(place, wavelengths), wavelengths)
+    fn color_at(&self, evaluator: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
+        evaluator.at.tinted(self.color.at(evaluator, wavelengths), wavelengths)
     }
 
     /// The index of refraction of the glass at the first wavelength.
-    fn glass_eta(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> f32 {
+    fn glass_eta(&self, evaluator: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> f32 {
         match &self.dispersion {
-            None => self.eta.at(place),
+            None => self.eta.at(evaluator),
             Some(dispersion) => dispersion.at(wavelengths)[0],
         }
     }
 
     /// The glass of a thin surface.
-    fn pane(&self, place: TextureEvaluator<'_>, at: &ShadingPoint<'_>) -> ThinDielectric {
+    fn pane(&self, evaluator: TextureEvaluator<'_>, at: &ShadingPoint<'_>) -> ThinDielectric {
         let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
-        let optical_depth = self.color_at(place, at.wavelengths).map(depth);
-        let microfacets = self.facets(place);
-        ThinDielectric { eta: self.eta.at(place) / at.eta_outside, optical_depth, microfacets }
+        let optical_depth = self.color_at(evaluator, at.wavelengths).map(depth);
+        let microfacets = self.facets(evaluator);
+        ThinDielectric { eta: self.eta.at(evaluator) / at.eta_outside, optical_depth, microfacets }
     }
 
     /// Whether light enters its glass anywhere.
@@ -299,8 +305,8 @@ impl Layers {
 
 /// The facets' `α` of a roughness.
 #[inline]
-fn squared(roughness: FloatTexture, place: TextureEvaluator<'_>) -> f32 {
-    let roughness = roughness.at(place);
+fn squared(roughness: FloatTexture, evaluator: TextureEvaluator<'_>) -> f32 {
+    let roughness = roughness.at(evaluator);
     roughness * roughness
 }
 
@@ -356,35 +362,35 @@ impl Material for LayeredMaterial {
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let layers = &self.layers;
-        let (place, wavelengths) = (appearance.textures.evaluator(&at.context), at.wavelengths);
-        let metal = layers.metalness.at(place);
+        let (evaluator, wavelengths) = (appearance.textures.evaluator(&at.context), at.wavelengths);
+        let metal = layers.metalness.at(evaluator);
         if let Some(body) = layers.subsurface.filter(|_| at.u >= metal) {
-            let above = layers.above(Base::Diffuse, layers.eta.at(place) / at.eta_outside, place, at);
-            return Bsdf::Subsurface(Subsurface::below(&above, body.share.at(place), body.is_tinted));
+            let above = layers.above(Base::Diffuse, layers.eta.at(evaluator) / at.eta_outside, evaluator, at);
+            return Bsdf::Subsurface(Subsurface::below(&above, body.share.at(evaluator), body.is_tinted));
         }
-        let glass = metal + (1.0 - metal) * layers.transmission.at(place);
+        let glass = metal + (1.0 - metal) * layers.transmission.at(evaluator);
         let base = match at.u {
             u if u < metal => Base::Metal,
             u if u < glass => Base::Glass,
             _ => Base::Diffuse,
         };
         if layers.thin && base == Base::Glass {
-            return Bsdf::ThinDielectric(layers.pane(place, at));
+            return Bsdf::ThinDielectric(layers.pane(evaluator, at));
         }
         let eta = match base {
-            Base::Glass => layers.glass_eta(place, wavelengths),
-            Base::Diffuse | Base::Metal => layers.eta.at(place),
+            Base::Glass => layers.glass_eta(evaluator, wavelengths),
+            Base::Diffuse | Base::Metal => layers.eta.at(evaluator),
         };
-        Bsdf::Principled(layers.above(base, eta / at.eta_outside, place, at))
+        Bsdf::Principled(layers.above(base, eta / at.eta_outside, evaluator, at))
     }
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let (layers, place) = (&self.layers, appearance.textures.evaluator(&at.context));
-        let glass = (1.0 - layers.metalness.at(place)) * layers.transmission.at(place);
+        let (layers, evaluator) = (&self.layers, appearance.textures.evaluator(&at.context));
+        let glass = (1.0 - layers.metalness.at(evaluator)) * layers.transmission.at(evaluator);
         if !layers.thin || glass == 0.0 {
             return Spectrum::BLACK;
         }
-        layers.pane(place, at).passage(cos) * glass
+        layers.pane(evaluator, at).passage(cos) * glass
     }
 
     fn has_passages(&self, _appearance: &Appearance) -> bool {

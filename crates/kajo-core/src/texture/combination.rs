@@ -45,9 +45,9 @@ fn held(v: f64) -> f32 {
 
 impl FloatCombination {
     /// The value of a formula, with its derivatives by the parts.
-    fn formula(&self, tape: &Tape, place: TextureEvaluator<'_>) -> Dual<f64, 3> {
+    fn formula(&self, tape: &Tape, evaluator: TextureEvaluator<'_>) -> Dual<f64, 3> {
         let variable = |k: usize| Dual {
-            value: self.parts.get(k).map_or(0.0, |part| part.at(place).into()),
+            value: self.parts.get(k).map_or(0.0, |part| part.at(evaluator).into()),
             slopes: std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }),
         };
         let variables = [0, 1, 2].map(variable);
@@ -74,17 +74,17 @@ impl FloatNode for FloatCombination {
     }
 
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32 {
-        let place = textures.evaluator(at);
-        let values = self.parts.iter().map(|part| part.at(place));
+        let evaluator = textures.evaluator(at);
+        let values = self.parts.iter().map(|part| part.at(evaluator));
         match &self.operation {
             FloatOperation::Mix => {
                 let [a, b, t] = *self.parts else { return 0.0 };
-                mixed(t.at(place), || a.at(place), || b.at(place))
+                mixed(t.at(evaluator), || a.at(evaluator), || b.at(evaluator))
             }
             FloatOperation::Multiply => values.product(),
             FloatOperation::Add => values.sum::<f32>().clamp(0.0, 1.0),
             FloatOperation::Formula(tape) => {
-                let value = |k: usize| self.parts.get(k).map_or(0.0, |part| f64::from(part.at(place)));
+                let value = |k: usize| self.parts.get(k).map_or(0.0, |part| f64::from(part.at(evaluator)));
                 let values = [0, 1, 2].map(value);
                 held(SCRATCH.with_borrow_mut(|(slots, _)| tape.at(&values, slots)))
             }
@@ -93,31 +93,31 @@ impl FloatNode for FloatCombination {
 
     /// By the rules of sums, products and chains; level where a sum is held to its bounds.
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {
-        let place = textures.evaluator(at);
+        let evaluator = textures.evaluator(at);
         let weighed = |weights: &mut dyn Iterator<Item = f32>| {
-            let slopes = self.parts.iter().zip(weights).map(|(part, w)| part.slope(place, factor * w));
+            let slopes = self.parts.iter().zip(weights).map(|(part, w)| part.slope(evaluator, factor * w));
             slopes.fold(TextureSlope::default(), TextureSlope::plus)
         };
         match &self.operation {
             FloatOperation::Mix => {
                 let [a, b, t] = *self.parts else { return TextureSlope::default() };
-                let share = t.at(place);
-                weighed(&mut [1.0 - share, share, b.at(place) - a.at(place)].into_iter())
+                let share = t.at(evaluator);
+                weighed(&mut [1.0 - share, share, b.at(evaluator) - a.at(evaluator)].into_iter())
             }
             FloatOperation::Multiply => {
                 let others = |i: usize| {
                     let rest = self.parts.iter().enumerate().filter(|(j, _)| *j != i);
-                    rest.map(|(_, part)| part.at(place)).product::<f32>()
+                    rest.map(|(_, part)| part.at(evaluator)).product::<f32>()
                 };
                 weighed(&mut (0..self.parts.len()).map(others))
             }
             FloatOperation::Add => {
-                let sum: f32 = self.parts.iter().map(|part| part.at(place)).sum();
+                let sum: f32 = self.parts.iter().map(|part| part.at(evaluator)).sum();
                 let is_free = sum > 0.0 && sum < 1.0;
                 weighed(&mut std::iter::repeat(if is_free { 1.0 } else { 0.0 }))
             }
             FloatOperation::Formula(tape) => {
-                let Dual { value, slopes } = self.formula(tape, place);
+                let Dual { value, slopes } = self.formula(tape, evaluator);
                 let is_free = value > 0.0 && value < 1.0 && slopes.iter().all(|slope| slope.is_finite());
                 weighed(&mut slopes.into_iter().map(|slope| if is_free { slope as f32 } else { 0.0 }))
             }
@@ -196,15 +196,15 @@ impl ColorNode for ColorCombination {
     }
 
     fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
-        let place = textures.evaluator(at);
-        let mut colors = self.parts.iter().map(|part| part.at(place, wavelengths));
+        let evaluator = textures.evaluator(at);
+        let mut colors = self.parts.iter().map(|part| part.at(evaluator, wavelengths));
         match self.operation {
             ColorOperation::Mix(t) => {
-                let t = t.at(place).clamp(0.0, 1.0);
+                let t = t.at(evaluator).clamp(0.0, 1.0);
                 match &*self.parts {
-                    [a, _] if t == 0.0 => a.at(place, wavelengths),
-                    [_, b] if t == 1.0 => b.at(place, wavelengths),
-                    [a, b] => a.at(place, wavelengths) * (1.0 - t) + b.at(place, wavelengths) * t,
+                    [a, _] if t == 0.0 => a.at(evaluator, wavelengths),
+                    [_, b] if t == 1.0 => b.at(evaluator, wavelengths),
+                    [a, b] => a.at(evaluator, wavelengths) * (1.0 - t) + b.at(evaluator, wavelengths) * t,
                     _ => Spectrum::BLACK,
                 }
             }

@@ -382,9 +382,9 @@ mod tests {
         let wide = textures.float(Remapped { texture: rest, range: [1.0, 5.0] }).unwrap();
         for p in [Vec3::new(0.3, 0.1, -0.2), Vec3::new(-4.0, 0.0, 9.0)] {
             let at = TextureContext { p, ..TextureContext::default() };
-            let place = textures.evaluator(&at);
+            let evaluator = textures.evaluator(&at);
             let slope = |texture: FloatTexture| {
-                let TextureSlope { uv, p } = texture.slope(place, 0.5);
+                let TextureSlope { uv, p } = texture.slope(evaluator, 0.5);
                 assert!(uv == Vec2::ZERO && p.y.abs() < 1e-4 && p.z.abs() < 1e-4, "{p}");
                 p.x
             };
@@ -399,8 +399,8 @@ mod tests {
             ] {
                 assert!((slope(texture) - expected).abs() < 5e-3, "{texture:?} at {p}: {expected}");
             }
-            let [number, left] = [narrow, rest].map(|texture| texture.at(place));
-            assert_eq!((left, wide.at(place)), (1.0 - number, 1.0 + 4.0 * left));
+            let [number, left] = [narrow, rest].map(|texture| texture.at(evaluator));
+            assert_eq!((left, wide.at(evaluator)), (1.0 - number, 1.0 + 4.0 * left));
         }
     }
 }

@@ -134,9 +134,9 @@ impl FloatNode for Curve {
     }
 
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {
-        let place = textures.evaluator(at);
-        let [slope] = self.knots.slope(self.texture.at(place));
-        self.texture.slope(place, factor * slope)
+        let evaluator = textures.evaluator(at);
+        let [slope] = self.knots.slope(self.texture.at(evaluator));
+        self.texture.slope(evaluator, factor * slope)
     }
 
     fn detail(&self, textures: &Textures, found: &mut TextureDetail) {

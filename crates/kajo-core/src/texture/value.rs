@@ -38,27 +38,27 @@ impl From<FloatNodeId> for FloatTexture {
 impl FloatTexture {
     /// The number at a point.
     #[inline]
-    pub fn at(self, place: TextureEvaluator<'_>) -> f32 {
+    pub fn at(self, evaluator: TextureEvaluator<'_>) -> f32 {
         match self {
             FloatTexture::Constant(value) => value,
-            FloatTexture::Node(node) => place.textures.value(node, place.at),
+            FloatTexture::Node(node) => evaluator.textures.value(node, evaluator.at),
         }
     }
 
     /// The number where it is an opacity, which the opacity at the corners of a mesh is another factor of.
     #[inline]
-    pub fn covered_at(self, place: TextureEvaluator<'_>) -> f32 {
+    pub fn covered_at(self, evaluator: TextureEvaluator<'_>) -> f32 {
         match self {
-            FloatTexture::Constant(value) => value * place.at.cover(),
-            FloatTexture::Node(node) => place.textures.covered(node, place.at),
+            FloatTexture::Constant(value) => value * evaluator.at.cover(),
+            FloatTexture::Node(node) => evaluator.textures.covered(node, evaluator.at),
         }
     }
 
     /// The derivatives of `factor` times it at a point.
-    pub fn slope(self, place: TextureEvaluator<'_>, factor: f32) -> TextureSlope {
+    pub fn slope(self, evaluator: TextureEvaluator<'_>, factor: f32) -> TextureSlope {
         match self {
             FloatTexture::Constant(_) => TextureSlope::default(),
-            FloatTexture::Node(node) => place.textures.slope(node, place.at, factor),
+            FloatTexture::Node(node) => evaluator.textures.slope(node, evaluator.at, factor),
         }
     }
 
@@ -123,18 +123,20 @@ impl From<ColorNodeId> for ColorTexture {
 impl ColorTexture {
     /// The reflectance at a point.
     #[inline]
-    pub fn at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
+    pub fn at(&self, evaluator: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
         match self {
             ColorTexture::Constant(color) => color.at(wavelengths),
-            ColorTexture::Node(node) => place.textures.reflectance(*node, place.at, wavelengths),
+            ColorTexture::Node(node) => evaluator.textures.reflectance(*node, evaluator.at, wavelengths),
         }
     }
 
     /// Linear RGB at a point.
-    pub fn rgb(&self, place: TextureEvaluator<'_>) -> Spectrum {
+    pub fn rgb(&self, evaluator: TextureEvaluator<'_>) -> Spectrum {
         match self {
             ColorTexture::Constant(color) => Spectrum::from(Vec3::from(color.rgb())),
-            ColorTexture::Node(node) => place.textures.reflectance(*node, place.at, &Wavelengths::RGB),
+            ColorTexture::Node(node) => {
+                evaluator.textures.reflectance(*node, evaluator.at, &Wavelengths::RGB)
+            }
         }
     }
 
