@@ -174,10 +174,9 @@ impl Shared {
     fn work(&self) {
         while let Some(first) = self.begin_subject() {
             let subject = Arc::clone(&first.subject);
-            let number = first.number;
             let served = catch_unwind(AssertUnwindSafe(|| self.serve(&subject, first)));
             if let Err(panic) = served {
-                self.publish(number, Err(SetupError::Panicked(message_of(&*panic))));
+                self.give_up(SetupError::Panicked(message_of(&*panic)));
             }
         }
     }
@@ -224,6 +223,17 @@ impl Shared {
             let result = shooter.shoot(place, index, &resources, self);
             self.publish(number, result);
             order = self.next_of_subject();
+        }
+    }
+
+    /// Says why there is no ray of the order that was worked on, if no other one was made since.
+    fn give_up(&self, error: SetupError) {
+        let last = {
+            let state = self.lock();
+            (state.next.is_none() && state.is_awaited).then_some(state.last)
+        };
+        if let Some(last) = last {
+            self.publish(last, Err(error));
         }
     }
 
