@@ -100,7 +100,7 @@ pub struct Segment {
     pub light: Option<LightSource>,
     /// Index of refraction of what it travels through.
     pub eta: f32,
-    /// What light from its far end is multiplied by on its way to the sensor, linear RGB.
+    /// Throughput from its far end to the sensor, linear RGB.
     pub weight: [f32; 3],
     /// What it adds to the sample itself, beside what the segments after it do: light of the surface or the
     /// background at its end, of the light that a shadow ray reaches, of fog along it. Linear RGB.
@@ -169,7 +169,7 @@ pub(crate) trait PathObserver: Default {
     /// Notes the current ray.
     fn note(&mut self) {}
 
-    /// Makes the noted ray of this number, from 0, the one at hand.
+    /// Makes the noted ray of this number, from 0, the current one.
     fn back_to_noted(&mut self, _number: u32) {}
 }
 
@@ -236,7 +236,7 @@ pub struct Trail {
 /// A position in the tree of rays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TreePosition {
-    /// The ray at hand.
+    /// The current ray.
     segment: Option<u32>,
     /// Of all light that is found there.
     factor: [f32; 3],

@@ -126,7 +126,7 @@ pub trait Emitter {
     /// where there is none.
     ///
     /// Per solid angle. A delta light is drawn by its single direction, with the probability 1 where it shines; no ray
-    /// finds that direction by chance, so only light that was drawn from the light itself is asked for.
+    /// finds that direction, so only light that was drawn from the light itself is asked for.
     ///
     /// * `at`: the point of the light in that direction
     fn pdf_li(&self, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32;

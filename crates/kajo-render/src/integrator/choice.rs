@@ -43,7 +43,7 @@ pub struct Choice {
 const LIGHT_PATHS: u32 = 4096;
 /// Columns and rows of the picture of the second, and samples of each of its pixels.
 const PICTURE: ([u32; 2], u32) = ([24, 16], 8);
-/// Caustics above this share of all light are too much for paths from the camera, which find them by chance.
+/// Caustics above this share of all light are too much for paths from the camera, which find them by scattering alone.
 const CAUSTIC: f32 = 0.03;
 /// The same where lights have no extent, so that such paths cannot find it at all.
 const CAUSTIC_OF_POINTS: f32 = 0.002;

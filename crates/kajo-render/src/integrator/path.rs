@@ -14,7 +14,7 @@
 //! ```
 //!
 //! and all light that the path hits is added with it. At every surface the light of one light is
-//! added as well, drawn by what it may contribute. A light that is met by chance and one that was drawn are two
+//! added as well, drawn by what it may contribute. A light that scattering hits and one that was sampled are two
 //! estimates of the same light; each counts with the weight `p^2 / (p^2 + q^2)` of its density against the other's
 //! [Veach and Guibas 1995]. Paths that carry little end at random, and the survivors count more [Arvo and
 //! Kirk 1990].

@@ -23,7 +23,7 @@ const LEAF: usize = 8;
 /// Ranges that a search may have put off: one for each level.
 const LEVELS: usize = 40;
 
-/// Photons below which a range is built on the thread at hand.
+/// Photons below which a range is built on the same thread.
 const LARGE: usize = 1 << 15;
 
 /// Scatterings that a photon counts; more are taken for so many.
@@ -52,7 +52,7 @@ pub struct Arrival {
     /// How often it was scattered before.
     pub scatterings: u32,
     /// Whether only one wavelength got here.
-    pub is_single: bool,
+    pub secondary_terminated: bool,
 }
 
 /// A photon as it is kept.
@@ -75,10 +75,10 @@ pub fn dither(i: u32, j: u32) -> f32 {
 impl Photon {
     /// * `dither`: in [0, 1), by which the power is rounded
     pub fn new(arrival: &Arrival, dither: f32) -> Photon {
-        let Arrival { p, n, wi, power, scatterings, is_single } = *arrival;
+        let Arrival { p, n, wi, power, scatterings, secondary_terminated } = *arrival;
         let [x, y] = to_square(wi, 14);
         let [nx, ny] = to_square(n, 7);
-        let bits = encode(power, dither) | u64::from(is_single) << 47;
+        let bits = encode(power, dither) | u64::from(secondary_terminated) << 47;
         Photon {
             p: p.to_array(),
             wi: x | y << 14 | scatterings.min(MOST_SCATTERINGS) << 28,
@@ -104,7 +104,7 @@ impl Photon {
     }
 
     /// Whether only one of its wavelengths counts.
-    pub fn is_single(&self) -> bool {
+    pub fn secondary_terminated(&self) -> bool {
         self.power[2] >> 15 == 1
     }
 

@@ -1,4 +1,4 @@
-//! Light that passes straight through transparent things on its way to a surface.
+//! Light that passes straight through transparent things before it comes to a surface.
 //!
 //! By length: inside a closed body of absorption `a` light is weakened by `exp(-a d)`, `d` the
 //! length of the way inside; the way is not bent. Crossings come in pairs for each

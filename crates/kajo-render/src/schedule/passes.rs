@@ -140,7 +140,7 @@ impl Position {
         self.done
     }
 
-    /// Samples of each pixel that the film has once the pass at hand is complete.
+    /// Samples of each pixel that the film has once the current pass is complete.
     pub fn samples_begun(&self) -> u32 {
         self.unfinished.as_ref().map_or(self.done, |unfinished| unfinished.samples.end)
     }

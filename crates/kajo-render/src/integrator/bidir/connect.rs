@@ -164,7 +164,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             is_merged: false,
             light: z.beta * scattered * radiance * share.within * share.visible * pdf.recip(),
             weight: mis_weight(w_light, w_camera),
-            is_single: z.is_single,
+            secondary_terminated: z.secondary_terminated,
             group: scene.lighting.sampler.group(light),
             raster: None,
         };
@@ -195,9 +195,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let segment = z.at.ray_to(&y.end(), wi, time);
         let carried = z.beta * scattered;
         let join = Join { kind: RayKind::Connection, segment: &segment, carried, light: None };
-        let is_single = y.is_single || z.is_single;
+        let secondary_terminated = y.secondary_terminated || z.secondary_terminated;
         let mut followed = *wavelengths;
-        if V::HAS_MEDIA && is_single {
+        if V::HAS_MEDIA && secondary_terminated {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y) * lanes(z), draws };
@@ -217,7 +217,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             is_merged: false,
             light: y.beta * scattered * z.beta * share.within * share.visible * distance2.recip(),
             weight: mis_weight(w_light, w_camera),
-            is_single,
+            secondary_terminated,
             group: y.group,
             raster: None,
         };
@@ -255,7 +255,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let join = Join { kind: RayKind::Splat, segment: &segment, carried, light: None };
         self.tell(observer, &join, wavelengths, None);
         let mut followed = *wavelengths;
-        if V::HAS_MEDIA && y.is_single {
+        if V::HAS_MEDIA && y.secondary_terminated {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y), draws };
@@ -269,7 +269,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             is_merged: false,
             light: carried * share.within * share.visible * (to.we / to.pdf),
             weight: if self.settings.only_from_lights { 1.0 } else { mis_weight(w_light(), 0.0) },
-            is_single: y.is_single,
+            secondary_terminated: y.secondary_terminated,
             group: y.group,
             raster: Some(raster),
         })
@@ -324,7 +324,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             is_merged: false,
             light: li.radiance * share.within * share.visible * (pdf_camera / pdf_li),
             weight: mis_weight(0.0, square(weighted_pdf_across(by_camera) / pdf_li)),
-            is_single: wavelengths.secondary_terminated(),
+            secondary_terminated: wavelengths.secondary_terminated(),
             group: scene.lighting.sampler.group(light),
             raster: Some(raster),
         })

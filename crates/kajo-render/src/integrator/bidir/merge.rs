@@ -190,7 +190,7 @@ impl Merging {
             wi: vertex.wo,
             power: vertex.beta * (1.0 / self.pass.paths as f32),
             scatterings,
-            is_single: vertex.is_single,
+            secondary_terminated: vertex.secondary_terminated,
         };
         let mis = vertex.mis;
         // The camera's path sees the part of a mixture that it draws itself.
@@ -314,7 +314,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                 is_merged: true,
                 light: z.beta * scattered * y.photon.power() * (merging.kernel / cosine),
                 weight: merging.mis_weight(y, z, wi),
-                is_single: y.photon.is_single() || z.is_single,
+                secondary_terminated: y.photon.secondary_terminated() || z.secondary_terminated,
                 group: y.group,
                 raster: None,
             };

@@ -124,7 +124,7 @@ struct Contribution {
     /// Its MIS weight.
     weight: f32,
     /// Whether only one wavelength is followed.
-    is_single: bool,
+    secondary_terminated: bool,
     /// The light group.
     group: LightGroup,
     /// Where it is seen; with the camera's ray where absent.
@@ -135,7 +135,7 @@ impl Contribution {
     /// What it adds to the picture, linear RGB.
     fn value(&self, wavelengths: &Wavelengths) -> [f32; 3] {
         let mut wavelengths = *wavelengths;
-        if self.is_single {
+        if self.secondary_terminated {
             wavelengths.terminate_secondary();
         }
         sensor::to_rgb(self.light * self.weight, &wavelengths)
@@ -302,23 +302,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         observer.counters().light += 1;
         observer.next(RayKind::Light);
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
-        loop {
-            let event = advance(scene, &mut path.state, &mut surface, &mut first, observer);
-            let (bsdf, collision) = match event {
-                Event::Surface => {
-                    let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
-                    if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
-                        continue;
-                    }
-                    (bsdf, None)
-                }
-                Event::Medium(at) if V::HAS_MEDIA => (Bsdf::Null, Some(at)),
-                _ => break,
-            };
-            if vertices.is_empty() {
-                let p = collision.map_or(surface.at.point.p, |at| at.p);
-                path.state.beta *= emitted.share_at(p.distance(emitted.at.p()));
-            }
+        while let Some((bsdf, collision)) =
+            path.next_from_light::<V>(scene, &emitted, &mut surface, &mut first, observer)
+        {
             let mut vertex = match &collision {
                 None => path.vertex(scene, &surface, bsdf, group),
                 Some(at) => path.vertex_in_medium(scene, at, group),
@@ -416,7 +402,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         end.visible
     }
 
-    /// Follows the camera's path to its next vertex, and hands over the light that it hits on its way there (`s = 0`). Returns
+    /// Follows the camera's path to its next vertex, and hands over the light that it hits before (`s = 0`). Returns
     /// the scattering there, that of nothing in a medium; `None` where the path ends.
     fn next_vertex<O: PathObserver>(
         &self,
@@ -449,7 +435,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                 }
                 Event::Medium(at) if V::HAS_MEDIA => {
                     if *t == 2 {
-                        self.see(path, camera_ray, at.p);
+                        self.set_first_pdf(path, camera_ray, at.p);
                         visible.begin_in_medium();
                     }
                     *collision = Some(at);
@@ -458,7 +444,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                 Event::Medium(_) | Event::Absorbed => return None,
             }
             if *t == 2 {
-                self.see(path, camera_ray, surface.at.point.p);
+                self.set_first_pdf(path, camera_ray, surface.at.point.p);
             }
             if let Some(hit) = self.hit_emission(path, &surface.at, surface.wo, camera_ray, from.as_ref()) {
                 observer.found(|| hit.value(wavelengths));
@@ -481,7 +467,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     /// Notes the density of the first point that the camera's ray comes to. Seen from the light's side the lens is one more point to
     /// connect with. [Georgiev 2012, eq. 31]
     #[inline]
-    fn see(&self, path: &mut Subpath<'_>, camera_ray: &Ray, p: Vec3) {
+    fn set_first_pdf(&self, path: &mut Subpath<'_>, camera_ray: &Ray, p: Vec3) {
         let pdf = self.view.pdf_across(camera_ray, p);
         match pdf.filter(|_| self.connects()) {
             Some(pdf) => path.last.pdf = weighted_pdf_across(pdf),

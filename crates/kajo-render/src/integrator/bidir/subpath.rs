@@ -4,16 +4,18 @@ use kajo_color::Spectrum;
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::interaction::SurfacePoint;
-use kajo_core::scene::Scene;
+use kajo_core::light::LightLeSample;
+use kajo_core::scene::{Interaction, Scene};
 use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
 use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
 use super::volume::{Volume, WithMedia, grown_through_media};
-use super::{Contribution, Technique};
+use super::{Contribution, Technique, shade_one_way};
 use crate::integrator::transport::{
-    MediumInteraction, PathState, SurfaceInteraction, follow, follow_phase, survives, survives_in_medium,
+    Event, MediumInteraction, PathState, SurfaceInteraction, advance, follow, follow_phase, pass_straight,
+    survives, survives_in_medium,
 };
 use crate::trail::PathObserver;
 
@@ -51,7 +53,46 @@ impl<'s> Subpath<'s> {
     }
 }
 
+/// The vertex that a path has come to: scattering on the surface, or the collision in a medium, where there is none.
+pub type NextVertex<'a> = (Bsdf<'a>, Option<MediumInteraction<'a>>);
+
 impl Subpath<'_> {
+    /// Follows a path from a light to its next vertex; `None` where it ends.
+    ///
+    /// Where the light's falloff is not the inverse square the path is corrected at its first vertex, whose distance decides.
+    ///
+    /// * `emitted`: the light that the path begins with
+    /// * `surface`: filled, if the vertex is on one
+    /// * `first`: as for [`advance`]
+    #[inline]
+    pub fn next_from_light<'v, V: Volume<'v>>(
+        &mut self,
+        scene: &'v Scene,
+        emitted: &LightLeSample,
+        surface: &mut SurfaceInteraction,
+        first: &mut Option<Interaction>,
+        observer: &mut impl PathObserver,
+    ) -> Option<NextVertex<'v>> {
+        let state = &mut self.state;
+        let (bsdf, collision) = loop {
+            match advance(scene, state, surface, first, observer) {
+                Event::Surface => {
+                    let mut bsdf = shade_one_way(scene, state, surface);
+                    if !pass_straight(scene, state, surface, &mut bsdf) {
+                        break (bsdf, None);
+                    }
+                }
+                Event::Medium(at) if V::HAS_MEDIA => break (Bsdf::Null, Some(at)),
+                _ => return None,
+            }
+        };
+        if state.scatterings == 0 {
+            let p = collision.map_or(surface.at.point.p, |at| at.p);
+            state.beta *= emitted.share_at(p.distance(emitted.at.p()));
+        }
+        Some((bsdf, collision))
+    }
+
     /// The sums at the point `p` that the ray has come to.
     ///
     /// * `cosine`: between the ray and the true normal there
@@ -82,7 +123,7 @@ impl Subpath<'_> {
             is_merged: false,
             light: self.state.beta * radiance,
             weight,
-            is_single: self.state.wavelengths.secondary_terminated(),
+            secondary_terminated: self.state.wavelengths.secondary_terminated(),
             group,
             raster: None,
         }
@@ -117,7 +158,7 @@ impl Subpath<'_> {
             mis: self.mis_at::<V>(at.point.p, at.point.ng.dot(wo).abs(), None),
             sigma_a: sides.each_ref().map(|media| media.absorption().unwrap_or(Spectrum::BLACK)),
             eta: sides.each_ref().map(|media| media.eta_of_segment(scene)),
-            is_single: self.state.wavelengths.secondary_terminated(),
+            secondary_terminated: self.state.wavelengths.secondary_terminated(),
             group,
             merged_at: None,
             volume: V::of(|| WithMedia {
@@ -149,7 +190,7 @@ impl Subpath<'_> {
             mis: self.mis_at::<V>(at.p, 1.0, Some(lanes.sigma_t)),
             sigma_a: [media.absorption().unwrap_or(Spectrum::BLACK); 2],
             eta: [eta; 2],
-            is_single: self.state.wavelengths.secondary_terminated(),
+            secondary_terminated: self.state.wavelengths.secondary_terminated(),
             group,
             merged_at: None,
             volume: V::of(|| WithMedia {

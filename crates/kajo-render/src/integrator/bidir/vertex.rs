@@ -50,7 +50,7 @@ pub struct Vertex<'s, V = NoMedia> {
     /// Index of refraction on these sides for a segment; `None` where light bends.
     pub eta: [Option<f32>; 2],
     /// Whether only one wavelength got here.
-    pub is_single: bool,
+    pub secondary_terminated: bool,
     /// The light group of a path from there.
     pub group: LightGroup,
     /// Where paths from the other end may have a vertex of their own beside it; see `merge.rs`.

@@ -15,9 +15,9 @@ use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_math::rng::mix;
 
-use crate::integrator::bidir::{NoMedia, light_end, sample_emitted, shade_one_way};
+use crate::integrator::bidir::{NoMedia, light_end, sample_emitted};
 use crate::integrator::photon_map::{Arrival, Photon, dither};
-use crate::integrator::transport::{Event, SurfaceInteraction, advance, pass_straight};
+use crate::integrator::transport::SurfaceInteraction;
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext};
 use crate::{Setup, SetupError};
@@ -160,17 +160,11 @@ impl<'a> Emission<'a> {
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
         // Whether nothing but mirrors and glass was met, and whether anything stands between a surface and the light.
         let (mut is_clear, mut is_held_up) = (true, false);
-        let mut is_first = true;
         let mut stored = 0;
-        while let Event::Surface = advance(scene, &mut path.state, &mut surface, &mut first, &mut counting) {
+        while let Some((bsdf, _)) =
+            path.next_from_light::<NoMedia>(scene, &emitted, &mut surface, &mut first, &mut counting)
+        {
             is_held_up |= !path.state.connectable;
-            let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
-            if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
-                continue;
-            }
-            if std::mem::take(&mut is_first) {
-                path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.at.p()));
-            }
             let vertex = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
             if !bsdf.is_delta() {
                 let is_caustic = is_clear && is_held_up;
@@ -180,7 +174,7 @@ impl<'a> Emission<'a> {
                     wi: vertex.wo,
                     power: path.state.beta * (1.0 / self.paths as f32),
                     scatterings: path.state.scatterings,
-                    is_single: vertex.is_single,
+                    secondary_terminated: vertex.secondary_terminated,
                 };
                 let photon = Photon::new(&arrival, dither(i, stored));
                 stored += 1;

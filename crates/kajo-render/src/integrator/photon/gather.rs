@@ -331,6 +331,6 @@ impl Sums {
             return;
         }
         let light = z.gathered(wi) * photon.power() * cosine.recip();
-        *(if photon.is_single() { &mut self.single } else { &mut self.all }) += light;
+        *(if photon.secondary_terminated() { &mut self.single } else { &mut self.all }) += light;
     }
 }

@@ -24,7 +24,7 @@ fn on_a_floor(n: u32, seed: u32) -> Vec<Photon> {
 }
 
 fn arrival(p: Vec3, power: Spectrum) -> Arrival {
-    Arrival { p, n: Vec3::Z, wi: Vec3::Z, power, scatterings: 0, is_single: false }
+    Arrival { p, n: Vec3::Z, wi: Vec3::Z, power, scatterings: 0, secondary_terminated: false }
 }
 
 #[test]
@@ -39,7 +39,7 @@ fn a_photon_takes_24_bytes_and_keeps_what_it_is_told() {
             wi: direction(&u, 12),
             power,
             scatterings: i % 20,
-            is_single: i % 3 == 0,
+            secondary_terminated: i % 3 == 0,
         };
         let mut photon = Photon::new(&told, u(9));
         photon.set_axis(i as usize % 3);
@@ -49,7 +49,10 @@ fn a_photon_takes_24_bytes_and_keeps_what_it_is_told() {
             let error = (photon.power()[lane] - power[lane]).abs();
             assert!(error <= 2.0 / 1023.0 * power.max_lane(), "{power:?} is kept as {:?}", photon.power());
         }
-        assert_eq!((photon.is_single(), photon.axis()), (told.is_single, i as usize % 3));
+        assert_eq!(
+            (photon.secondary_terminated(), photon.axis()),
+            (told.secondary_terminated, i as usize % 3)
+        );
         assert!(photon.is_within(i % 20) && photon.is_within(30));
         assert_eq!(photon.is_within(3), i % 20 <= 3);
     }

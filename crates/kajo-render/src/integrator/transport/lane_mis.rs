@@ -15,7 +15,7 @@ pub struct LaneMis {
     pub reach: f32,
     /// Of the last collision: extinction per unit length there, the mean over all lanes.
     pub sigma_t: f32,
-    /// The same where the ray at hand starts, 1 at surfaces and lights. It is kept for paths from both ends alone.
+    /// The same where the current ray starts, 1 at surfaces and lights. It is kept for paths from both ends alone.
     pub sigma_t_from: f32,
 }
 

@@ -26,7 +26,7 @@ impl LocalFrame {
         LocalFrame { wo: frame.to_local(wo), frame, ng: shading.ng, diffuse_normal }
     }
 
-    /// What takes the place of `bsdf` in this frame: where a relief leans so far that the frame was made for a normal held up
+    /// What takes the place of `bsdf` in this frame: where a relief leans so far that the frame was made for a normal turned
     /// towards the viewer, diffuse light is scattered about the normal of the relief all the same. `None` where `bsdf` holds as it
     /// is.
     #[inline]

@@ -46,7 +46,7 @@ impl<'p, 's> Joining<'p, 's> {
     }
 }
 
-/// What comes along a segment between two vertices, through media and the boundaries of media, holes and panes on its way.
+/// Transmittance of a segment between two vertices: of media, their boundaries, holes and panes.
 ///
 /// As [`super::connect`], with what media absorb, and by lanes.
 ///

@@ -223,7 +223,7 @@ struct Merged<'a> {
     at: f32,
 }
 
-/// The stretches of one medium, with the one at hand.
+/// The intervals of one majorant, with the current one.
 struct Peeked<'a> {
     next: Option<Majorant>,
     rest: Majorants<'a>,

@@ -34,7 +34,7 @@ pub const MOST_SURFACES: u32 = 1 << 14;
 pub enum Event<'a> {
     /// It hits a surface, which was written to a [`SurfaceInteraction`].
     Surface,
-    /// It is scattered by a medium on its way.
+    /// It is scattered by a medium before it comes to a surface.
     Medium(MediumInteraction<'a>),
     /// It leaves the scene in this unit direction.
     Escaped(Vec3),
