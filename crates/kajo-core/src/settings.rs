@@ -1,6 +1,7 @@
 //! What a scene file may say about how it is to be rendered, and the rules of its dialect.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use kajo_color::Tone;
 
@@ -335,7 +336,23 @@ pub struct Settings {
     pub white_balance: Option<[f64; 2]>,
 }
 
+/// Makes a filter of a half width, or of a standard deviation where it is Gaussian.
+pub type MakeFilter = fn(f32) -> FilterChoice;
+
 impl FilterChoice {
+    /// Names on the command line and in `Settings`, each with the filter that it makes and the size that this has unless one is said.
+    pub const NAMES: [(&'static str, (MakeFilter, f32)); 6] = [
+        ("box", (FilterChoice::Box, 0.5)),
+        ("gaussian", (FilterChoice::Gaussian, 0.5)),
+        ("lanczos", (FilterChoice::Lanczos, 3.0)),
+        ("mitchell", (FilterChoice::Mitchell, 2.0)),
+        ("none", (|_| FilterChoice::None, 0.0)),
+        ("tent", (FilterChoice::Tent, 1.0)),
+    ];
+
+    /// The least and the largest size, in pixels.
+    pub const SIZES: RangeInclusive<f64> = 1e-3..=64.0;
+
     /// Whether its size is finite.
     fn is_finite(self) -> bool {
         match self {
@@ -350,6 +367,9 @@ impl FilterChoice {
 }
 
 impl Settings {
+    /// The most samples of a pixel.
+    pub const MAX_SAMPLES: u32 = 1 << 20;
+
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
         let numbers =

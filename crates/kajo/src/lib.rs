@@ -83,8 +83,8 @@ pub use kajo_core::light::LightChoice;
 pub use kajo_core::sampler::SamplerKind;
 pub use kajo_core::scene::Scene;
 pub use kajo_core::settings::{
-    Caustics, Dialect, Directions, FilterChoice, Gradients, IntegratorName, PhotonMapUse, Settings,
-    SettingsKey, ShadowAttenuation, Shadows, Technique,
+    Caustics, Dialect, Directions, FilterChoice, Gradients, IntegratorName, MakeFilter, PhotonMapUse,
+    Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
 };
 pub use kajo_core::texture::{Encoding, TileCache};
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, FromArgMatches, parser::ValueSource};
-use kajo::{BitDepth, Defaults, FilterChoice, Format, LoadOptions, SamplerKind, Settings, Shadows, View};
+use kajo::{
+    BitDepth, Defaults, FilterChoice, Format, LoadOptions, MakeFilter, SamplerKind, Settings, Shadows, View,
+};
 
-use super::values::{self, MakeFilter, Size};
+use super::values::{self, Size};
 use super::{DevelopArgs, FarmArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::{ClassicWords, Diagram, DiagramKind, Job};
@@ -138,7 +140,7 @@ struct KnownArgs {
 }
 
 fn samples() -> clap::builder::RangedI64ValueParser<u32> {
-    clap::value_parser!(u32).range(0..=values::MAX_SAMPLES)
+    clap::value_parser!(u32).range(0..=Settings::MAX_SAMPLES.into())
 }
 
 impl Args for ClassicArgs {

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use kajo::{Dialect, FilterChoice, INTEGRATOR_CHOICES, IntegratorName, SamplerKind, View};
+use kajo::{Dialect, FilterChoice, INTEGRATOR_CHOICES, IntegratorName, SamplerKind, Settings, View};
 
 /// Columns and rows: `800x600`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,21 +38,19 @@ pub struct Samples(pub SamplerKind, pub u32);
 /// The most columns and rows for a pixel of a diagram.
 pub const MAX_ZOOM: u32 = 1000;
 
-/// The most samples of a pixel.
-pub const MAX_SAMPLES: i64 = 1 << 20;
-
 impl FromStr for Samples {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Samples, String> {
         let (pattern, number) = text.split_once(':').unwrap_or(("jittered", text));
         let pattern = SamplerKind::from_name(pattern);
-        let number = number.parse().ok().filter(|&n: &u32| (1..=MAX_SAMPLES).contains(&n.into()));
+        let number = number.parse().ok().filter(|n| (1..=Settings::MAX_SAMPLES).contains(n));
         match (pattern, number) {
             (Some(pattern), Some(number)) => Ok(Samples(pattern, number)),
             _ => {
                 let names = SamplerKind::NAMES.map(|(name, _)| name).join(", ");
-                Err(format!("expected a number from 1 to {MAX_SAMPLES}, or a number behind one of {names}"))
+                let most = Settings::MAX_SAMPLES;
+                Err(format!("expected a number from 1 to {most}, or a number behind one of {names}"))
             }
         }
     }
@@ -62,32 +60,15 @@ impl FromStr for Samples {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterArg(pub FilterChoice);
 
-/// The widest filter, in pixels.
-const WIDEST_FILTER: f32 = 64.0;
-
-/// Makes a filter of a width.
-pub type MakeFilter = fn(f32) -> FilterChoice;
-
-/// Filters with their natural widths.
-const FILTERS: [(&str, MakeFilter, f32); 6] = [
-    ("none", |_| FilterChoice::None, 1.0),
-    ("box", FilterChoice::Box, 0.5),
-    ("tent", FilterChoice::Tent, 1.0),
-    ("gaussian", FilterChoice::Gaussian, 0.5),
-    ("mitchell", FilterChoice::Mitchell, 2.0),
-    ("lanczos", FilterChoice::Lanczos, 3.0),
-];
-
 impl FromStr for FilterArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<FilterArg, String> {
         let (name, width) = text.split_once(':').map_or((text, None), |(name, width)| (name, Some(width)));
-        let Some(&(_, make, natural)) = FILTERS.iter().find(|(known, ..)| *known == name) else {
-            return Err(
-                "expected none, box, tent, gaussian, mitchell or lanczos, and a width in pixels if you like"
-                    .into(),
-            );
+        let Some((_, (make, natural))) = FilterChoice::NAMES.into_iter().find(|(known, _)| *known == name)
+        else {
+            let names = FilterChoice::NAMES.map(|(name, _)| name).join(", ");
+            return Err(format!("expected one of {names}, and a width in pixels if you like"));
         };
         width.map_or(Ok(natural), filter_width).map(|width| FilterArg(make(width)))
     }
@@ -95,8 +76,9 @@ impl FromStr for FilterArg {
 
 /// The radius of a filter, or its standard deviation where it is Gaussian.
 pub fn filter_width(text: &str) -> Result<f32, String> {
-    let width = text.parse().ok().filter(|width| (1e-3..=WIDEST_FILTER).contains(width));
-    width.ok_or_else(|| format!("expected a width in pixels from 0.001 to {WIDEST_FILTER}"))
+    let width = text.parse().ok().filter(|&width: &f32| FilterChoice::SIZES.contains(&width.into()));
+    let [least, most] = [FilterChoice::SIZES.start(), FilterChoice::SIZES.end()].map(f64::to_string);
+    width.ok_or_else(|| format!("expected a width in pixels from {least} to {most}"))
 }
 
 /// A further output: `depth=FILE`, or `depth` for a layer of the OpenEXR file.

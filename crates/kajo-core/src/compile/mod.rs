@@ -1,8 +1,8 @@
 //! From the tree of a scene text to a [`Scene`].
 //!
-//! Each kind of block has a file here that reads it and puts what it says into the pools. Mistakes
-//! do not stop the reading: all of them are collected with their places, and a scene comes out
-//! only when there are none.
+//! Each kind of block has a file in `blocks` with its fields and what is made of them; the files here read what
+//! several of them share, and the lists that they stand in. Mistakes do not stop the reading: all of them are
+//! collected with their places, and a scene comes out only when there are none.
 
 mod aim;
 mod animation;

@@ -55,9 +55,6 @@ choices!(Tone: {
     [(linear.name(), linear), (srgb.name(), srgb), (aces.name(), aces), (agx.name(), agx)]
 });
 
-/// The most samples of a pixel.
-const MAX_SAMPLES: u32 = 1 << 20;
-
 /// The most rays from one surface.
 const MAX_BRANCHES: u32 = 1 << 16;
 
@@ -74,7 +71,7 @@ const MAX_SEED: f64 = (1u64 << 53) as f64;
 const MAX_SIDE: f32 = 16_777_216.0;
 
 const SAMPLERS: &[&str] = &words(&SamplerKind::NAMES);
-const FILTER_WORDS: &[&str] = &words(&FILTERS);
+const FILTER_WORDS: &[&str] = &words(&FilterChoice::NAMES);
 
 /// Columns and rows.
 struct Size([u32; 2]);
@@ -294,7 +291,7 @@ impl Plain<'_> for Size {
 impl Plain<'_> for Samples {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Samples, Diagnostic> {
         let kind = args.choice(&SamplerKind::NAMES)?;
-        Ok(Samples(kind, args.int_in(1..=MAX_SAMPLES.into())? as u32))
+        Ok(Samples(kind, args.int_in(1..=Settings::MAX_SAMPLES.into())? as u32))
     }
 }
 
@@ -323,23 +320,10 @@ impl Plain<'_> for WhiteBalance {
     }
 }
 
-/// Makes a filter of a radius, or of a standard deviation where it is Gaussian.
-type MakeFilter = fn(f32) -> FilterChoice;
-
-/// The filters, each with the size that it has unless one is written.
-const FILTERS: [(&str, (MakeFilter, f32)); 6] = [
-    ("box", (FilterChoice::Box, 0.5)),
-    ("gaussian", (FilterChoice::Gaussian, 0.5)),
-    ("lanczos", (FilterChoice::Lanczos, 3.0)),
-    ("mitchell", (FilterChoice::Mitchell, 2.0)),
-    ("none", (|_| FilterChoice::None, 0.0)),
-    ("tent", (FilterChoice::Tent, 1.0)),
-];
-
 impl Plain<'_> for FilterChoice {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<FilterChoice, Diagnostic> {
-        let (make, default) = args.choice(&FILTERS)?;
-        let size = if args.numbers_left() == 0 { default } else { args.number_in(1e-3..=64.0)? };
+        let (make, default) = args.choice(&FilterChoice::NAMES)?;
+        let size = if args.numbers_left() == 0 { default } else { args.number_in(FilterChoice::SIZES)? };
         Ok(make(size))
     }
 }

@@ -11,20 +11,30 @@ use kajo_scene::{Diagnostic, Diagnostics, SceneDesc};
 use super::blocks::{MATERIAL_INDEX, blocks};
 use crate::schema::Block;
 
-/// Keys of blocks that are in no list: of pictures, and counts.
-const OTHERS: [&str; 13] = [
+/// Words that are read and are no fields of blocks: of pictures and paths, and counts.
+const OTHERS: [&str; 23] = [
     MATERIAL_INDEX,
     "numObjects",
     "numLights",
     "numMaterials",
     "channel",
+    "cubic",
     "cutoff",
+    "cycle",
     "encoding",
     "filter",
+    "frameOffset",
+    "frames",
     "height",
+    "light",
+    "line",
     "offset",
+    "quadratic",
+    "range",
     "repeat",
     "scale",
+    "spline",
+    "tiling",
     "wrap",
 ];
 
@@ -46,8 +56,12 @@ fn is_word(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use kajo_scene::{MemoryAssets, SceneDesc};
 
+    use super::*;
     use crate::compile::{CompileOptions, compile};
 
     const SCENE: &str = "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
@@ -60,10 +74,67 @@ mod tests {
         diagnostics.iter().map(|said| said.message.clone()).collect()
     }
 
+    /// The sources of this folder and of those in it.
+    fn sources(folder: &Path) -> Vec<String> {
+        let mut all = Vec::new();
+        for entry in fs::read_dir(folder).expect("the sources are there") {
+            let path = entry.expect("an entry of a folder").path();
+            if path.is_dir() {
+                all.extend(sources(&path));
+            } else if !path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("tests")) {
+                let text = fs::read_to_string(&path).expect("a source is text");
+                // Unit tests stand behind what they test.
+                let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+                all.push(code.split_whitespace().collect::<Vec<_>>().join(" "));
+            }
+        }
+        all
+    }
+
+    /// The string literals with which a list begins that is the argument of a call.
+    fn literals(arguments: &str) -> Vec<&str> {
+        let mut rest = arguments.trim_start_matches(['&', '[', ' ']);
+        let mut found = Vec::new();
+        while let Some((word, behind)) = rest.strip_prefix('"').and_then(|quoted| quoted.split_once('"')) {
+            // What is a sentence is a reason.
+            found.extend((!word.contains(' ')).then_some(word));
+            rest = behind.trim_start_matches([',', ' ']);
+        }
+        found
+    }
+
+    /// A word that a reader asks for would hide a value of that name: nobody may ask for one that is not known here.
+    #[test]
+    fn every_word_that_is_read_is_known() {
+        const ASKS: [&str; 9] = [
+            "params.block(",
+            "params.optional(",
+            "params.or(",
+            "params.required(",
+            "params.take(",
+            "params.has(",
+            "params.contains(",
+            "params.refuse(",
+            "params.idle(",
+        ];
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/compile");
+        let mut asked = HashSet::new();
+        for text in sources(&folder) {
+            for ask in ASKS {
+                asked.extend(text.split(ask).skip(1).flat_map(literals).map(str::to_owned));
+            }
+        }
+        for word in ["channel", "numLights", "Transform", "displacement", "indexOfRefraction"] {
+            assert!(asked.contains(word), "the reader of `{word}` is found");
+        }
+        let unknown: Vec<&String> = asked.iter().filter(|word| !is_word(word)).collect();
+        assert!(unknown.is_empty(), "read and in no list: {unknown:?}");
+    }
+
     #[test]
     fn words_of_the_language_are_no_names() {
         assert_eq!(said("let r = 1 let x = 2 repeat i 2 { }"), [""; 0]);
-        for word in ["roughness", "Sphere", "wrap", "samples"] {
+        for word in ["roughness", "Sphere", "wrap", "samples", "cubic", "tiling"] {
             // What else it was read for is said after that.
             let first = said(&format!("let {word} = 1")).swap_remove(0);
             assert_eq!(first, format!("`{word}` is a word of the scene language"));

@@ -1,5 +1,6 @@
 //! Values of fields that are numbers, words, places and names.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use kajo_math::tape::Tape;
@@ -94,18 +95,25 @@ pub(in crate::compile) const fn any_angle(key: &'static str) -> Typed<f32> {
     degrees(key, f64::MIN, f64::MAX)
 }
 
+/// A whole number within the bounds of its field, and within those of its type.
+fn whole_in(spec: &FieldSpec, args: &mut Args<'_>, range: RangeInclusive<i64>) -> Result<i64, Diagnostic> {
+    match spec.kind {
+        FieldKind::Whole { min, max } => {
+            args.int_in((min as i64).max(*range.start())..=(max as i64).min(*range.end()))
+        }
+        _ => args.int_in(range),
+    }
+}
+
 impl Plain<'_> for i64 {
     fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<i64, Diagnostic> {
-        match spec.kind {
-            FieldKind::Whole { min, max } => args.int_in(min as i64..=max as i64),
-            _ => args.int_in(i64::MIN..=i64::MAX),
-        }
+        whole_in(spec, args, i64::MIN..=i64::MAX)
     }
 }
 
 impl Plain<'_> for u32 {
-    fn parse(spec: &FieldSpec, args: &mut Args<'_>, sources: &mut Sources<'_>) -> Result<u32, Diagnostic> {
-        i64::parse(spec, args, sources).map(|n| n as u32)
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<u32, Diagnostic> {
+        whole_in(spec, args, 0..=u32::MAX.into()).map(|n| n as u32)
     }
 }
 
@@ -116,8 +124,8 @@ impl Stated for u32 {
 }
 
 impl Plain<'_> for i32 {
-    fn parse(spec: &FieldSpec, args: &mut Args<'_>, sources: &mut Sources<'_>) -> Result<i32, Diagnostic> {
-        i64::parse(spec, args, sources).map(|n| n as i32)
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<i32, Diagnostic> {
+        whole_in(spec, args, i32::MIN.into()..=i32::MAX.into()).map(|n| n as i32)
     }
 }
 

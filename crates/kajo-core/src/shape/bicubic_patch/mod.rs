@@ -15,6 +15,7 @@
 
 mod net;
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use kajo_bvh::{BuildSettings, Bvh};
@@ -45,6 +46,18 @@ struct Parts {
     reach: f64,
 }
 
+/// Memory that rays use again and again.
+#[derive(Default)]
+struct Scratch {
+    crossings: Vec<DVec2>,
+    stack: Vec<SubPatch>,
+}
+
+thread_local! {
+    /// Taken while it is in use.
+    static SCRATCH: Cell<Scratch> = Cell::default();
+}
+
 impl BicubicPatch {
     /// * `points`: four rows of four; u runs along rows, v from row to row
     ///
@@ -63,13 +76,13 @@ impl BicubicPatch {
         Some(BicubicPatch(Arc::new(Parts { net, nets, tree, extent: longest.length(), reach })))
     }
 
-    /// Where a ray's line crosses the patch.
-    fn crossing_uvs(&self, ray: &Ray) -> Vec<DVec2> {
+    /// Finds where a ray's line crosses the patch.
+    fn find_crossings(&self, ray: &Ray, Scratch { crossings, stack }: &mut Scratch) {
         let line = Ray64::new(ray);
         let (x, y) = basis64(line.d.normalize_or_zero());
-        let mut found: Vec<DVec2> = Vec::new();
+        crossings.clear();
         if line.d == DVec3::ZERO || !(line.o.is_finite() && line.d.is_finite()) {
-            return found;
+            return;
         }
         let seen = |p: DVec3| DVec2::new((p - line.o).dot(x), (p - line.o).dot(y));
         self.0.tree.each(ray, |i| {
@@ -77,9 +90,8 @@ impl BicubicPatch {
             let low = DVec2::new((i % SUB_PATCHES).into(), (i / SUB_PATCHES).into()) / f64::from(SUB_PATCHES);
             let sub_patch = SubPatch { net, low, size: DVec2::splat(1.0 / f64::from(SUB_PATCHES)) };
             let smallest = 4.0 * f64::EPSILON * (self.0.reach + line.o.abs().max_element());
-            sub_patch.zeros(smallest, &mut found);
+            sub_patch.zeros(smallest, crossings, stack);
         });
-        found
     }
 
     /// The unit normal. Where it is not defined by the tangents, as at an edge that is a point, it is the limit on the way from
@@ -141,12 +153,15 @@ impl Surface for BicubicPatch {
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
         let line = Ray64::new(ray);
-        for uv in self.crossing_uvs(ray) {
-            let t = (self.derivatives(uv).p - line.o).dot(line.d) / line.d.length_squared();
+        let mut scratch = SCRATCH.take();
+        self.find_crossings(ray, &mut scratch);
+        for uv in &scratch.crossings {
+            let t = (self.derivatives(*uv).p - line.o).dot(line.d) / line.d.length_squared();
             in_range(ray, t)
                 .into_iter()
                 .for_each(|t| visit(Hit { t, u: uv.x as f32, v: uv.y as f32, part: 0 }));
         }
+        SCRATCH.set(scratch);
     }
 
     fn surface_at(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {

@@ -80,11 +80,13 @@ const MARGIN: f64 = 1e-10;
 const MOST_SUB_PATCHES: u32 = 4000;
 
 impl SubPatch {
-    /// Adds the places in the patch where it is zero.
+    /// Adds the coordinates in the patch where it is zero.
     ///
     /// * `smallest`: what is seen no larger than this is a point
-    pub fn zeros(self, smallest: f64, found: &mut Vec<DVec2>) {
-        let mut stack = vec![self];
+    /// * `stack`: memory for pieces that are still to be looked at
+    pub fn zeros(self, smallest: f64, found: &mut Vec<DVec2>, stack: &mut Vec<SubPatch>) {
+        stack.clear();
+        stack.push(self);
         let mut looked_at = 0;
         while let Some(sub_patch) = stack.pop() {
             looked_at += 1;
@@ -100,10 +102,10 @@ impl SubPatch {
                 () => None,
             };
             if let Some(zero) = zero {
-                let place = (sub_patch.low + zero.clamp(DVec2::ZERO, DVec2::ONE) * sub_patch.size)
+                let uv = (sub_patch.low + zero.clamp(DVec2::ZERO, DVec2::ONE) * sub_patch.size)
                     .clamp(DVec2::ZERO, DVec2::ONE);
-                if found.iter().all(|known| (*known - place).abs().max_element() > SAME) {
-                    found.push(place);
+                if found.iter().all(|known| (*known - uv).abs().max_element() > SAME) {
+                    found.push(uv);
                 }
                 continue;
             }

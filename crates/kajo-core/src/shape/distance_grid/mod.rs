@@ -21,6 +21,7 @@
 //!
 //! Scene: `DistanceGrid { file statue.vol }`
 
+use std::cell::Cell;
 use std::fmt;
 use std::sync::Arc;
 
@@ -86,6 +87,19 @@ struct Parts {
     smooth: bool,
     /// The largest coordinate.
     reach: f64,
+}
+
+/// Memory that rays use again and again.
+#[derive(Default)]
+struct Scratch {
+    /// What a ray has of each cell.
+    intervals: Vec<([f64; 2], UVec3)>,
+    hits: Vec<Hit>,
+}
+
+thread_local! {
+    /// Taken while it is in use.
+    static SCRATCH: Cell<Scratch> = Cell::default();
 }
 
 impl DistanceGrid {
@@ -337,24 +351,26 @@ impl Surface for DistanceGrid {
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
         let parts = &*self.0;
         let line = Ray64::new(ray);
-        let mut pieces: Vec<([f64; 2], UVec3)> = Vec::new();
+        let mut scratch = SCRATCH.take();
+        let Scratch { intervals, hits } = &mut scratch;
         parts.tree.each(ray, |index| {
             let cell = parts.cells[index as usize];
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-            pieces.extend(parts.clip(cell, &line, everywhere).map(|piece| (piece, cell)));
+            intervals.extend(parts.clip(cell, &line, everywhere).map(|interval| (interval, cell)));
         });
-        pieces.sort_unstable_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
-        let mut all = Vec::new();
-        for (piece, cell) in pieces {
-            parts.cross(cell, &line, piece, |t| {
-                all.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
+        intervals.sort_unstable_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+        for (interval, cell) in intervals.drain(..) {
+            parts.cross(cell, &line, interval, |t| {
+                hits.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
                 false
             });
         }
         let sides = if parts.closed { faces(parts.corners(), &line) } else { None };
         let sides = sides.into_iter().flatten();
-        all.extend(sides.filter_map(|side| cap(ray, &line, side, |p| parts.is_inside(p))));
-        all.into_iter().for_each(&mut visit);
+        hits.extend(sides.filter_map(|side| cap(ray, &line, side, |p| parts.is_inside(p))));
+        // Whoever visits may ask another surface, which takes memory of its own.
+        hits.drain(..).for_each(&mut visit);
+        SCRATCH.set(scratch);
     }
 
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {

@@ -15,7 +15,7 @@
 
 mod cells;
 
-use std::cell::RefCell;
+use std::cell::{self, RefCell};
 use std::sync::Arc;
 
 use kajo_bvh::{BuildSettings, Bvh};
@@ -51,8 +51,18 @@ struct Scratch {
     bounds: Vec<Dual<Interval, 1>>,
 }
 
+/// Memory for the crossings of a line.
+#[derive(Default)]
+struct Crossings {
+    /// What the line has of each cell, and the number of that.
+    intervals: Vec<([f64; 2], u32)>,
+    hits: Vec<Hit>,
+}
+
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
+    /// Taken while it is in use.
+    static CROSSINGS: cell::Cell<Crossings> = cell::Cell::default();
 }
 
 /// What a ray does within a cell.
@@ -365,30 +375,31 @@ impl Surface for Isosurface {
         let parts = &*self.0;
         let line = Ray64::new(ray);
         let faces = if parts.closed { parts.faces(&line) } else { None };
-        let mut pieces: Vec<([f64; 2], u32)> = Vec::new();
+        let mut crossings = CROSSINGS.take();
+        let Crossings { intervals, hits } = &mut crossings;
         parts.tree.each(ray, |index| {
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-            pieces
-                .extend(parts.cells.clip(&parts.cells[index], &line, everywhere).map(|piece| (piece, index)));
+            let interval = parts.cells.clip(&parts.cells[index], &line, everywhere);
+            intervals.extend(interval.map(|interval| (interval, index)));
         });
-        pieces.sort_unstable_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+        intervals.sort_unstable_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
         let mut passage = Passage { parts, line: &line, work: MOST_WORK };
-        let mut all = Vec::new();
         let mut before: Option<(f64, f64)> = None;
-        for (piece, index) in pieces {
+        for (interval, index) in intervals.drain(..) {
             // Neighbours agree on the value between them.
-            let known = before.filter(|(t, _)| *t == piece[0]).map(|(_, value)| value);
-            let at_a = known.unwrap_or_else(|| passage.value(piece[0]));
-            let (at_b, _) = passage.cross(&parts.cells[index], piece, at_a, &mut |t| {
-                all.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
+            let known = before.filter(|(t, _)| *t == interval[0]).map(|(_, value)| value);
+            let at_a = known.unwrap_or_else(|| passage.value(interval[0]));
+            let (at_b, _) = passage.cross(&parts.cells[index], interval, at_a, &mut |t| {
+                hits.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
                 false
             });
-            before = at_b.map(|value| (piece[1], value));
+            before = at_b.map(|value| (interval[1], value));
         }
         let faces = faces.into_iter().flatten();
-        all.extend(faces.filter_map(|face| parts.cap(ray, &line, face)));
-        // Whoever visits may ask another surface.
-        all.into_iter().for_each(&mut visit);
+        hits.extend(faces.filter_map(|face| parts.cap(ray, &line, face)));
+        // Whoever visits may ask another surface, which takes memory of its own.
+        hits.drain(..).for_each(&mut visit);
+        CROSSINGS.set(crossings);
     }
 
     /// The point is brought onto the surface along the gradient, or onto the face of the box.
