@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use kajo::language::{block_of, blocks, kind_of};
+use kajo::language::{block_in, blocks};
 use kajo_core::schema::{Block, FieldKind, FieldSpec, Kind};
 use kajo_scene::{TokenKind, tokens};
 
@@ -43,7 +43,8 @@ pub fn completion(text: &str, at: usize) -> Option<Completion> {
 
 /// A block around the place.
 struct Open<'t> {
-    keyword: &'t str,
+    /// What it is; `None` for the text itself, and where that is unknown.
+    block: Option<&'static Block>,
     /// The keys of the items in it.
     keys: Vec<&'t str>,
 }
@@ -58,8 +59,7 @@ struct Found<'t> {
 
 /// Whether a word is a key of the innermost block.
 fn is_key(open: &[Open<'_>], word: &str) -> bool {
-    let block = open.last().and_then(|open| block_of(open.keyword));
-    block.is_some_and(|block| block.field(word).is_some())
+    open.last().and_then(|open| open.block).is_some_and(|block| block.field(word).is_some())
 }
 
 /// Where in a text something is to be typed.
@@ -73,7 +73,7 @@ struct TypingPosition<'t> {
 
 impl<'t> TypingPosition<'t> {
     fn find(text: &'t str, at: usize) -> Option<TypingPosition<'t>> {
-        let mut open = vec![Open { keyword: "", keys: Vec::new() }];
+        let mut open = vec![Open { block: None, keys: Vec::new() }];
         // The last keyword, and whether its one word may still follow.
         let (mut keyword, mut takes_word) = ("", false);
         // Whether that is being typed: the next key may follow at once.
@@ -107,7 +107,12 @@ impl<'t> TypingPosition<'t> {
                     (takes_word, is_begun) = (false, false);
                 }
                 TokenKind::OpenBrace => {
-                    open.push(Open { keyword, keys: Vec::new() });
+                    let block = match &open[..] {
+                        [.., Open { block: None, .. }] if open.len() > 1 => None,
+                        [.., last] => block_in(last.block, keyword),
+                        [] => None,
+                    };
+                    open.push(Open { block, keys: Vec::new() });
                     takes_word = false;
                 }
                 TokenKind::CloseBrace => {
@@ -127,7 +132,7 @@ impl<'t> TypingPosition<'t> {
     }
 
     fn block(&self) -> Option<&'static Block> {
-        block_of(self.open.last()?.keyword)
+        self.open.last()?.block
     }
 
     /// The words that may follow a key.
@@ -136,8 +141,8 @@ impl<'t> TypingPosition<'t> {
         let words = match field.map(|field| field.kind) {
             Some(
                 FieldKind::Choice(words)
-                | FieldKind::ChoiceAndNumber(words)
-                | FieldKind::ChoiceAndWhole(words),
+                | FieldKind::ChoiceAndNumber(words, _)
+                | FieldKind::ChoiceAndWhole(words, _),
             ) => words,
             Some(FieldKind::Flag) => &["on", "off"],
             _ => &[],
@@ -155,7 +160,8 @@ impl<'t> TypingPosition<'t> {
         }
         let block =
             |block: &Block| Suggestion { word: block.keyword, values: String::new(), about: block.about };
-        keys.extend(blocks().filter(|block| self.may_hold(block)).map(block));
+        let parts = self.block().map_or(&[][..], |block| block.parts);
+        keys.extend(parts.iter().copied().chain(blocks().filter(|block| self.may_hold(block))).map(block));
         keys
     }
 
@@ -163,14 +169,12 @@ impl<'t> TypingPosition<'t> {
     fn fields(&self) -> impl Iterator<Item = &'static FieldSpec> {
         let keys: &[&str] = self.open.last().map_or(&[], |open| &open.keys);
         self.block().into_iter().flat_map(move |block| {
-            // There may be several of each operation.
-            let is_order = matches!(block.kind, Kind::Transform | Kind::Instance) || block.keyword == "key";
             block.fields().filter(move |field| {
                 let is_same =
                     |key: &&&str| block.field(key).is_some_and(|other| other.main_key() == field.main_key());
                 let written = keys.iter().filter(is_same).count();
                 let most = block.fields().filter(|other| other.key == field.key).count();
-                (is_order || written < most)
+                (field.repeats || written < most)
                     && field.needs.is_none_or(|key| keys.contains(&key))
                     && field.excludes.iter().all(|key| !keys.contains(key))
             })
@@ -179,19 +183,14 @@ impl<'t> TypingPosition<'t> {
 
     /// Whether a block may stand here.
     fn may_hold(&self, block: &Block) -> bool {
-        let parent = self.open[1..].iter().fold(None, |parent, open| Some(kind_of(open.keyword, parent)));
-        match parent {
-            None => {
+        match self.block() {
+            None if self.open.len() == 1 => {
                 let outermost = [Kind::Camera, Kind::Settings, Kind::Animation, Kind::Background, Kind::Fog];
                 let lists = [Kind::Lights, Kind::Materials, Kind::Textures, Kind::Media, Kind::Group];
                 outermost.contains(&block.kind) || lists.contains(&block.kind)
             }
-            Some(Kind::Lights) => block.kind == Kind::Light,
-            Some(Kind::Materials) => block.kind == Kind::Material,
-            Some(Kind::Textures) => block.kind == Kind::Texture,
-            Some(Kind::Media) => block.kind == Kind::Medium,
-            Some(Kind::Background) => block.keyword == "sky",
-            Some(parent) => parent.holds_objects() && (block.kind.is_object() || block.kind == Kind::Define),
+            None => false,
+            Some(around) => around.lists(block),
         }
     }
 }
@@ -226,8 +225,8 @@ mod tests {
     #[test]
     fn keys_are_offered_as_often_as_they_may_stand() {
         let blend = |parts: &str| words(&format!("Materials {{ Mix {{ {parts} | }} }}")).unwrap().1;
-        assert_eq!(blend("materialIndex 0"), ["materialIndex", "amount"]);
-        assert_eq!(blend("materialIndex 0 materialIndex 1"), ["amount"]);
+        assert_eq!(blend("materialIndex 0"), ["materialIndex", "amount", "Transform"]);
+        assert_eq!(blend("materialIndex 0 materialIndex 1"), ["amount", "Transform"]);
         let moved = words("Group { Transform { Translate 1 0 0 Tra| } }").unwrap().1;
         assert!(moved.starts_with(&["Translate"]), "{moved:?}");
     }
@@ -260,8 +259,38 @@ mod tests {
         assert_eq!(words("Lights { Po|").unwrap().1, ["PointLight"]);
         assert_eq!(words("Group { Transform { Translate 1 0 0 To|").unwrap().1, ["Torus"]);
         assert_eq!(words("Background { s|").unwrap().1, ["sky"]);
+        assert_eq!(words("Group { Prism { out|").unwrap().1, ["outline"]);
+        assert_eq!(words("Group { Transform { Mo|").unwrap().1, ["Motion", "Model"]);
+        assert_eq!(words("Group { Transform { Motion { |").unwrap().1, ["key"]);
+        assert_eq!(words("Group { Blob { |} }").unwrap().1[2..], ["sphere", "cylinder", "plane"]);
+        assert_eq!(words("Textures { Brick { Tr|").unwrap().1, ["Transform"]);
         assert!(!words("Group { | }").unwrap().1.contains(&"PointLight"));
         assert_eq!(words("Group { Sphere moon { center 0 0 0  radius 1 } } Fo|").unwrap().1, ["Fog"]);
+    }
+
+    #[test]
+    fn a_word_is_what_it_is_where_it_stands() {
+        let veins = words("Materials { PhongMaterial { Noise { |").unwrap().1;
+        assert_eq!(veins, ["color", "octaves", "frequency", "amplitude"]);
+        let blended = words("Materials { Noise { |").unwrap().1;
+        assert_eq!(blended, ["materialIndex", "octaves", "Transform"]);
+        let placed = words("Textures { Brick { Transform { |").unwrap().1;
+        assert!(placed.contains(&"Translate") && !placed.contains(&"Sphere"), "{placed:?}");
+        let outline = words("Group { Prism { outline { |").unwrap().1;
+        assert_eq!(outline, ["line", "quadratic", "cubic", "spline"]);
+        assert_eq!(words("Group { Curves { strand { points 0 0 0  1 0 0  |").unwrap().1, ["radii"]);
+        assert_eq!(words("Group { Foo { Sphere { |"), None, "nobody knows what stands in it");
+    }
+
+    #[test]
+    fn what_is_said_of_a_picture_is_offered_behind_its_name() {
+        let behind = |key: &str| words(&format!("Materials {{ Matte {{ {key} a.png {{ |")).unwrap().1;
+        assert!(behind("color").starts_with(&["repeat", "offset", "wrap", "tiling", "filter", "encoding"]));
+        assert!(!behind("color").contains(&"channel") && behind("roughness").contains(&"channel"));
+        assert!(behind("opacity").contains(&"cutoff") && behind("bump").contains(&"height"));
+        assert!(behind("normalMap").contains(&"scale") && behind("emission").contains(&"light"));
+        assert_eq!(words("Materials { Matte { color a.png { wrap m|").unwrap().1, ["mirror"]);
+        assert!(!behind("color").contains(&"cycle"), "without frames");
     }
 
     #[test]

@@ -6,13 +6,14 @@
 use std::ops::Range;
 
 use kajo_core::scene::Scene;
-use kajo_core::schema::{Absent, Around, Block, FieldKind, FieldSpec, FieldValue, Kind, number_text, quoted};
+use kajo_core::schema::{
+    Absent, Around, Block, FieldKind, FieldSpec, FieldValue, Kind, NumberRange, number_text, quoted,
+};
 use kajo_core::settings::Settings;
 use kajo_scene::Item;
 
 use super::tree::Tree;
 use super::{EditRefused, FileId, Node, TextEdit, layout};
-use kajo::language::block_of;
 use kajo::{Defaults, RenderSettings};
 
 /// A value of a block.
@@ -53,10 +54,12 @@ impl Tree {
     /// * `scene`: what the texts make, for defaults that depend on it
     pub(super) fn fields(&self, node: &Node, scene: Option<&Scene>) -> Vec<Field> {
         let written: Vec<Item<'_>> = self.values_of(node).collect();
-        if matches!(node.kind, Kind::Transform | Kind::Instance) {
+        let mut specs = fields_of(node);
+        let is_order = specs.clone().next().is_some() && specs.all(|spec| spec.repeats);
+        if is_order || matches!(node.kind, Kind::Transform | Kind::Instance) {
             return self.written_in_order(node, &written);
         }
-        let specs = fields_of(&node.keyword);
+        let specs = fields_of(node);
         let mut fields: Vec<Field> = Vec::new();
         for spec in specs.clone() {
             let nth = fields.iter().filter(|field| field.key == spec.key).count();
@@ -79,7 +82,7 @@ impl Tree {
             let nth = written[..i].iter().filter(|other| other.keyword() == item.keyword()).count();
             let value = FieldValue::of(item);
             let kind =
-                if value.word.is_some() { FieldKind::Text } else { FieldKind::Numbers(value.numbers.len()) };
+                if value.word.is_some() { FieldKind::Text } else { FieldKind::Groups(&[NumberRange::ANY]) };
             let absent = Absent::Nothing { means: "", start: "" };
             let spec = FieldSpec { absent, ..FieldSpec::new("", kind) };
             Field { key: item.keyword().to_owned(), ..self.written(&spec, nth, item) }
@@ -87,9 +90,9 @@ impl Tree {
         fields
     }
 
-    /// Operations, whose order counts.
+    /// Operations, and the segments of a path: their order counts.
     fn written_in_order(&self, node: &Node, written: &[Item<'_>]) -> Vec<Field> {
-        let specs = fields_of(&node.keyword);
+        let specs = fields_of(node);
         let field = |(i, item): (usize, &Item<'_>)| {
             let spec = specs.clone().find(|spec| spec.key == item.keyword())?;
             let nth = written[..i].iter().filter(|other| other.keyword() == spec.key).count();
@@ -163,17 +166,16 @@ impl Tree {
 
     /// Another spelling of a key that is written in a node's block.
     fn other_spelling(&self, node: &Node, key: &str) -> Option<Item<'_>> {
-        let mut others = block_of(&node.keyword)
-            .into_iter()
-            .flat_map(|block| block.spellings_of(key))
-            .filter(|other| *other != key);
+        let mut others =
+            node.block.into_iter().flat_map(|block| block.spellings_of(key)).filter(|other| *other != key);
         others.find_map(|other| self.value_item(node, other, None))
     }
 
-    /// The items of a node's block that are no nodes themselves.
+    /// The items of a node's block that are no nodes themselves, and pictures, which are both: a value, and what is said of it.
     pub(super) fn values_of(&self, node: &Node) -> impl Iterator<Item = Item<'_>> {
         let children = self.item(node).into_iter().flat_map(|item| item.children());
-        children.filter(|child| self.outline.at_item(child.index()).is_none())
+        let is_value = |node: &Node| node.kind == Kind::Picture;
+        children.filter(move |child| self.outline.at_item(child.index()).is_none_or(is_value))
     }
 
     /// The item of the `nth` value called `key`; the last one for `None`.
@@ -193,7 +195,7 @@ impl Tree {
         nth: Option<usize>,
         value: Option<&FieldValue>,
     ) -> Result<Vec<TextEdit>, EditRefused> {
-        let pair = fields_of(&node.keyword).find(|spec| spec.key == key).and_then(|spec| spec.pair);
+        let pair = fields_of(node).find(|spec| spec.key == key).and_then(|spec| spec.pair);
         let item = self.value_item(node, key, nth).or_else(|| self.other_spelling(node, key));
         let other = pair.and_then(|pair| self.value_item(node, pair, None));
         match (item, value) {
@@ -224,7 +226,7 @@ impl Tree {
 
     /// What a first change of an absent field begins with.
     pub(super) fn start(&self, node: &Node, key: &str) -> FieldValue {
-        let spec = fields_of(&node.keyword).find(|spec| spec.key == key);
+        let spec = fields_of(node).find(|spec| spec.key == key);
         spec.map_or_else(FieldValue::default, |spec| self.absent(node, spec, 0, None).start)
     }
 
@@ -251,7 +253,7 @@ impl Tree {
         if let Some(item) = self.value_item(node, key, None).or_else(|| self.other_spelling(node, key)) {
             return Some(FieldValue::of(item));
         }
-        let spec = fields_of(&node.keyword).find(|spec| spec.key == key)?;
+        let spec = fields_of(node).find(|spec| spec.key == key)?;
         self.default(node, spec, scene)
     }
 
@@ -262,7 +264,7 @@ impl Tree {
         key: &str,
         value: &str,
     ) -> Result<Vec<TextEdit>, EditRefused> {
-        let pair = fields_of(&node.keyword).find(|spec| spec.key == key).and_then(|spec| spec.pair);
+        let pair = fields_of(node).find(|spec| spec.key == key).and_then(|spec| spec.pair);
         let pair = pair.filter(|pair| self.value_item(node, pair, None).is_none());
         let pair = pair.map(|pair| format!("{pair} {}", self.start(node, pair).text()));
         let pieces: Vec<String> = std::iter::once(format!("{key} {value}")).chain(pair).collect();
@@ -325,9 +327,9 @@ pub(super) fn is_same_number(a: f64, b: f64) -> bool {
     a == b || (a as f32 == b as f32 && (a.fract() != 0.0 || b.fract() != 0.0))
 }
 
-/// The fields that a block with this keyword may have.
-pub(super) fn fields_of(keyword: &str) -> impl Iterator<Item = &'static FieldSpec> + Clone + use<> {
-    block_of(keyword).into_iter().flat_map(Block::fields)
+/// The fields that a node may have.
+pub(super) fn fields_of(node: &Node) -> impl Iterator<Item = &'static FieldSpec> + Clone + use<> {
+    node.block.into_iter().flat_map(Block::fields)
 }
 
 /// The settings with which a scene is rendered when nobody asks for anything else, those that depend on it.

@@ -12,7 +12,8 @@ use kajo_scene::{Item, SceneDesc, SourceId};
 
 use super::FileId;
 use super::texts::Change;
-use kajo_core::schema::Kind;
+use kajo::language::{block_in, block_of, kind_of};
+use kajo_core::schema::{Block, Kind};
 
 /// A block of a document, the same one after edits elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -37,6 +38,8 @@ pub struct Node {
     pub depth: u32,
     /// The block it stands in.
     pub parent: Option<NodeId>,
+    /// The description of such blocks; `None` for one that is unknown where it stands.
+    pub(super) block: Option<&'static Block>,
     /// Number of its item among the tree's.
     pub(super) item: u32,
     /// Place of the first node after its subtree in [`Outline::nodes`].
@@ -166,15 +169,21 @@ impl Identities {
             let start = (file_of(span.source), span.range().start);
             let id = known.get_mut(&start).and_then(Vec::pop).unwrap_or_else(|| self.fresh());
             let parent = open.last().map(|&at| &outline.nodes[at as usize]);
+            let block = match parent {
+                None => block_of(item.keyword()),
+                Some(parent) => parent.block.and_then(|parent| block_in(Some(parent), item.keyword())),
+            };
+            let kind = || kind_of(item.keyword(), parent.map(|node| node.kind));
             let node = Node {
                 id,
-                kind: kajo_core::compile::kind_of(item.keyword(), parent.map(|node| node.kind)),
+                kind: block.map_or_else(kind, |block| block.kind),
                 keyword: item.keyword().into(),
                 name: item.word().map(|word| word.text().into()),
                 file: start.0,
                 span: span.range(),
                 depth: open.len() as u32,
                 parent: parent.map(|node| node.id),
+                block,
                 item: item.index(),
                 next: 0,
             };

@@ -5,7 +5,6 @@ use kajo_math::{DAffine3, DVec3};
 use super::movement::{Linear, Movement};
 use super::tree::Tree;
 use super::{FieldValue, Node};
-use kajo::language::block_of;
 use kajo_core::schema::{FieldKind, Kind};
 
 /// The rows of a bicubic patch.
@@ -77,7 +76,7 @@ impl Block<'_> {
     fn by_fields(&self) -> Option<Values> {
         let factor = self.similarity()?;
         let (mut values, mut has_place) = (Vec::new(), false);
-        for field in block_of(&self.node.keyword)?.fields() {
+        for field in self.node.block?.fields() {
             match field.kind {
                 FieldKind::Point => {
                     has_place = true;

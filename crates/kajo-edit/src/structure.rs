@@ -2,10 +2,11 @@
 
 use kajo_scene::SceneDesc;
 
+use super::fields::fields_of;
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, Node, TextEdit, layout};
 use kajo_core::compile::kind_of;
-use kajo_core::schema::Kind;
+use kajo_core::schema::{FieldKind, Kind};
 
 impl Tree {
     /// Adds a block to `into`, or where such blocks stand.
@@ -109,13 +110,10 @@ impl Tree {
 
     /// The edit of the count in a block that holds `more` blocks of a kind than before.
     fn recounted(&self, holder: &Node, more: i32, kind: Kind) -> Vec<TextEdit> {
-        let key = match holder.kind {
-            Kind::Lights => "numLights",
-            Kind::Materials => "numMaterials",
-            _ if kind.is_object() => "numObjects",
-            _ => return Vec::new(),
-        };
-        let Some(item) = self.value_item(holder, key, None) else { return Vec::new() };
+        let is_counted = kind.is_object() || matches!(kind, Kind::Light | Kind::Material);
+        let count = fields_of(holder).find(|field| field.kind == FieldKind::Count);
+        let Some(count) = count.filter(|_| is_counted) else { return Vec::new() };
+        let Some(item) = self.value_item(holder, count.key, None) else { return Vec::new() };
         let Some((count, _)) = item.numbers().next() else { return Vec::new() };
         self.replace_values(item, &FieldValue::numbers([count + f64::from(more)]))
     }
@@ -232,7 +230,9 @@ impl Tree {
         }
         let text = self.transplanted(node, item.index(), target.next_index());
         let mut edits = vec![self.inserted_last(into, &text)?, self.taken_out(node)];
-        if node.parent != Some(into.id) {
+        // Two nodes of one text hold the same.
+        let is_elsewhere = |from: &Node| from.file != into.file || from.span != into.span;
+        if self.parent(node).is_some_and(is_elsewhere) {
             edits.extend(self.recounted(into, 1, node.kind));
             edits.extend(self.parent(node).map_or_else(Vec::new, |from| self.recounted(from, -1, node.kind)));
         }

@@ -56,6 +56,11 @@ impl<'a, 'd> Params<'a, 'd> {
         Self::over(Some(item), item.children(), diagnostics, no_block)
     }
 
+    /// The content of the item's block, and nothing for an item that has none and needs none.
+    pub fn within(item: Item<'a>, diagnostics: &'d mut Diagnostics) -> Self {
+        Self::over(Some(item), item.children(), diagnostics, false)
+    }
+
     /// The items of the scene that stand in no block.
     pub fn root(desc: &'a SceneDesc, diagnostics: &'d mut Diagnostics) -> Self {
         Self::over(None, desc.roots(), diagnostics, false)

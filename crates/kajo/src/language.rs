@@ -15,6 +15,11 @@ pub fn block_of(keyword: &str) -> Option<&'static Block> {
     compile::block_of(keyword).map(known)
 }
 
+/// The block that an item with this keyword begins within another one; `None` for `parent` outside of all that are known.
+pub fn block_in(parent: Option<&Block>, keyword: &str) -> Option<&'static Block> {
+    compile::block_in(parent, keyword).map(known)
+}
+
 /// The same block, with what may be said of integrators where it may have one.
 fn known(block: &'static Block) -> &'static Block {
     if block.kind == Kind::Settings { &SETTINGS } else { block }
@@ -78,15 +83,17 @@ mod tests {
     fn values(field: &FieldSpec) -> String {
         let what = match field.kind {
             FieldKind::Choice(words) => code_list(words),
-            FieldKind::ChoiceAndNumber(words) => format!("{}; then a number", code_list(words)),
-            FieldKind::ChoiceAndWhole(words) => format!("{}; then a whole number", code_list(words)),
+            FieldKind::ChoiceAndNumber(words, range) => format!("{}; then a number{range}", code_list(words)),
+            FieldKind::ChoiceAndWhole(words, range) => {
+                format!("{}; then a whole number{range}", code_list(words))
+            }
             FieldKind::Flag => code_list(&["on", "off"]),
             FieldKind::Emission => "r g b, or [another light value](spectra.md)".to_owned(),
             FieldKind::Reflectance => "r g b, or [a file or `spectrum`](spectra.md)".to_owned(),
             kind => kind.to_string(),
         };
         let unit = if field.unit.is_empty() { String::new() } else { format!(", {}", field.unit) };
-        let texture = if field.texture { ", or a [texture](pictures.md)" } else { "" };
+        let texture = if field.texture.is_some() { ", or a [texture](pictures.md)" } else { "" };
         format!("{what}{unit}{texture}")
     }
 

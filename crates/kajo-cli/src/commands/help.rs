@@ -16,7 +16,7 @@ const FAMILIES: [(&str, &[Kind]); 8] = [
     ("Textures", &[Kind::Textures, Kind::Texture]),
     ("Media", &[Kind::Media, Kind::Medium]),
     ("Objects", &[Kind::Group, Kind::Define, Kind::Transform, Kind::Instance, Kind::Shape]),
-    ("Within other blocks", &[Kind::Part]),
+    ("Within other blocks", &[Kind::Part, Kind::Picture]),
 ];
 
 /// Columns of a terminal that a table fills, blanks before a column, and what its first columns have at most.
@@ -75,14 +75,17 @@ fn table(block: &Block) -> String {
         |field: &FieldSpec| [field.key.to_owned(), field.values(), field.absence(), field.about.to_owned()];
     let mut rows = vec![["field", "value", "default", "meaning"].map(str::to_owned)];
     rows.extend(block.fields().map(cells));
+    let parts: String =
+        block.parts.iter().map(|part| format!("  {}: {}\n", part.keyword, part.about)).collect();
+    let parts = if parts.is_empty() { parts } else { format!("\nBlocks that may stand in it:\n{parts}") };
     if rows.len() == 1 {
-        return format!("{head}\nIt has no fields of its own, and holds other blocks.\n");
+        return format!("{head}\nIt has no fields of its own, and holds other blocks.\n{parts}");
     }
     let longest = |column: usize| rows.iter().map(|cells| cells[column].chars().count()).max().unwrap_or(0);
     let mut widths: [usize; 4] = std::array::from_fn(|column| longest(column).min(WIDEST[column]));
     let others: usize = widths[..3].iter().map(|width| width + GAP).sum();
     widths[3] = WIDTH.saturating_sub(others + GAP);
-    rows.iter().fold(head + "\n", |text, cells| text + &row(cells, widths))
+    rows.iter().fold(head + "\n", |text, cells| text + &row(cells, widths)) + &parts
 }
 
 /// The lines of a row, with what is too long for its column broken.

@@ -19,7 +19,7 @@ use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::fields::{At, Field, Keys, Optional, Plain, Sources, Typed, keys, point, vector};
 use crate::camera::CameraFrame;
-use crate::schema::{FieldKind, FieldSpec};
+use crate::schema::{FieldKind, FieldSpec, NumberRange};
 
 /// The share of the picture that `fit` leaves free at each edge unless told otherwise.
 const MARGIN: f32 = 0.05;
@@ -195,7 +195,7 @@ keys! {
             .not_beside(&["lookAt"])
             .placed()
             .option("the point it looks at, or the name of an object"),
-        look_at: Option<LookAt<'t>> = Typed::<LookAt<'_>>::new("lookAt", FieldKind::Numbers(9))
+        look_at: Option<LookAt<'t>> = Typed::<LookAt<'_>>::new("lookAt", FieldKind::Numbers(&[NumberRange::ANY; 9]))
             .not_beside(&["target"])
             .option("where it is, the point it looks at, and what is up"),
         up: Option<Vec3> = vector("up").option("which way is up in the picture"),
@@ -204,7 +204,7 @@ keys! {
 
 /// The field that says what fills the picture.
 const fn fit_field<'t>() -> Optional<FitKey<'t>> {
-    Typed::new("fit", FieldKind::Text).option("what fills the picture: scene, or the name of an object")
+    Typed::new("fit", FieldKind::Text).option("what fills the picture: scene, or the name of an object; then perhaps a margin, 0 to 0.45 of the picture")
 }
 
 /// Its description; it stands apart since one camera means something else by the same key.

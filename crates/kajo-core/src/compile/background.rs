@@ -47,6 +47,7 @@ pub(super) const BLOCK: Block = Block {
     kind: Kind::Background,
     about: "what rays see that hit nothing",
     groups: &[BackgroundKeys::FIELDS],
+    parts: &[&SKY],
 };
 
 keys! {
@@ -65,6 +66,7 @@ pub(super) const SKY: Block = Block {
     kind: Kind::Part,
     about: "a clear sky with its sun, within a `Background`",
     groups: &[SkyKeys::FIELDS],
+    parts: &[],
 };
 
 keys! {
@@ -84,6 +86,7 @@ pub(super) const FOG: Block = Block {
     kind: Kind::Fog,
     about: "what fills the air, for the classic integrator",
     groups: &[FogKeys::FIELDS],
+    parts: &[],
 };
 
 impl Compiler<'_> {

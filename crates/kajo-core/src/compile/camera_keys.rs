@@ -8,7 +8,7 @@ use super::lorentz::{self, Velocity};
 use super::motion::usual_shutter;
 use crate::camera::{Camera, CameraFrame};
 use crate::motion::Shutter;
-use crate::schema::{Constant, FieldKind};
+use crate::schema::{Constant, FieldKind, NumberRange};
 
 /// What reads the keys that a kind of camera has of its own.
 pub(super) struct CameraReader {
@@ -43,7 +43,7 @@ impl OwnKeys<'_> {
 
 keys! {
     pub ShutterKeys {
-        shutter: Option<Shutter> = Typed::<Shutter>::new("shutter", FieldKind::Numbers(2)).ruled(
+        shutter: Option<Shutter> = Typed::<Shutter>::new("shutter", FieldKind::Numbers(&[NumberRange::ANY; 2])).ruled(
             usual_shutter,
             "0 1; 0 0.5 in an animation",
             "from when to when light is gathered; in an animation in frames",

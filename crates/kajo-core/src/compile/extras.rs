@@ -2,7 +2,7 @@
 
 use kajo_scene::{Diagnostic, Params, Span};
 
-use super::fields::{At, Keys, Sources, Typed, choice, choices, keys, light_group};
+use super::fields::{At, HEIGHTS, Keys, NORMALS, Sources, Typed, choice, choices, keys, light_group};
 use super::picture_values::{HeightMap, NormalMap, Opacity, SurfaceLight, opacity, surface_light};
 use crate::emission::SurfaceEmission;
 use crate::ids::LightGroup;
@@ -34,9 +34,11 @@ keys! {
             .option("name of the lights it is seen among"),
         opacity: Option<Opacity> = opacity("opacity")
             .presumed(Constant::Number(1.0), "the share of it that is there, between holes"),
-        normals: Option<NormalMap> = Typed::<NormalMap>::new("normalMap", FieldKind::Text)
+        normals: Option<NormalMap> = Typed::<NormalMap>::new("normalMap", FieldKind::Picture)
+            .textured(&NORMALS)
             .option("a picture of normals that dents it, such as hammered.png"),
-        heights: Option<HeightMap> = Typed::<HeightMap>::new("bump", FieldKind::Text)
+        heights: Option<HeightMap> = Typed::<HeightMap>::new("bump", FieldKind::Picture)
+            .textured(&HEIGHTS)
             .option("a picture or a function of heights that dents it, such as bricks.png"),
     }
 }

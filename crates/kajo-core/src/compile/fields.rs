@@ -15,6 +15,9 @@
 
 mod colors;
 mod media;
+mod picture_keys;
+mod picture_sequence;
+mod pictures;
 mod values;
 
 use std::marker::PhantomData;
@@ -23,10 +26,9 @@ use kajo_color::{Emission, Reflectance};
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
-use super::pictures::TextureReader;
 use super::spectra::Written;
 use crate::light::LightGroups;
-use crate::schema::{Absent, Around, Constant, FieldKind, FieldSpec, FieldValue};
+use crate::schema::{Absent, Around, Block, Constant, FieldKind, FieldSpec, FieldValue};
 use crate::settings::Rules;
 use crate::texture::{ColorTexture, FloatTexture};
 
@@ -35,6 +37,11 @@ pub(super) use colors::{
     light_group, reflectance, share,
 };
 pub(super) use media::{Inside, MediumNames, inside, named_medium};
+pub(super) use picture_keys::{
+    COLORS, ChannelKeys, CutoffKeys, HEIGHTS, HOLES, HeightKeys, NORMALS, NormalKeys, PICTURE, SLIDE,
+    SlideKeys,
+};
+pub(super) use pictures::{TextureReader, is_picture, name_with};
 pub(super) use values::{
     At, Choice, Direction, FileName, Given, any_angle, at_least, between, choice, choices, count, degrees,
     direction, file, flag, function, number, pair, point, positive, triple, vector, whole, words,
@@ -109,9 +116,9 @@ impl<V> Typed<V> {
         Typed::with(FieldSpec { unit, ..self.spec })
     }
 
-    /// The same for a field that may be a texture as well.
-    pub const fn textured(self) -> Typed<V> {
-        Typed::with(self.spec.or_texture())
+    /// The same for a field that may be a texture as well, behind whose name `block` says more.
+    pub const fn textured(self, block: &'static Block) -> Typed<V> {
+        Typed::with(self.spec.or_texture(block))
     }
 
     /// The same for a field that says nothing, or is an error, where `key` is not written.
@@ -281,7 +288,7 @@ impl<V> Defaulted<V> {
 
     /// The same where a texture may be a factor of white.
     pub const fn or_texture(self) -> Defaulted<Textured<V>> {
-        Defaulted(Typed::with(self.0.spec.or_texture()))
+        Defaulted(Typed::with(self.0.spec.or_texture(&COLORS)))
     }
 
     pub const fn spec(self) -> FieldSpec {
@@ -292,7 +299,7 @@ impl<V> Defaulted<V> {
 impl<V> Optional<V> {
     /// The same where a texture may be a factor of white.
     pub const fn or_texture(self) -> Optional<Textured<V>> {
-        Optional(Typed::with(self.0.spec.or_texture()))
+        Optional(Typed::with(self.0.spec.or_texture(&COLORS)))
     }
 
     pub const fn spec(self) -> FieldSpec {
@@ -382,7 +389,7 @@ pub(super) trait Keys<'t>: Sized {
 macro_rules! keys {
     (@struct [$($life:lifetime)?] $(#[$doc:meta])* $vis:vis $name:ident { $($member:ident: $type:ty = $field:expr,)* }) => {
         $(#[$doc])*
-        pub(super) struct $name$(<$life>)? {
+        pub(in crate::compile) struct $name$(<$life>)? {
             $($vis $member: $type,)*
         }
 

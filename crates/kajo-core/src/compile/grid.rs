@@ -11,7 +11,7 @@ use super::fields::{
     At, FileName, Keys, Plain, Sources, Typed, choice, choices, file, keys, point, report_beside,
     report_without,
 };
-use crate::schema::{Around, FieldKind, FieldSpec, FieldValue};
+use crate::schema::{Around, FieldKind, FieldSpec, FieldValue, NumberRange};
 
 choices! {
     VolumeEncoding {
@@ -21,15 +21,18 @@ choices! {
     }
 }
 
+/// How many numbers there may be along an axis.
+const COUNT: NumberRange = NumberRange { min: 1.0, max: u32::MAX as f64 };
+
 /// How many numbers there are along x, y and z.
 #[derive(Clone, Copy)]
 pub struct GridSize([u32; 3]);
 
 impl Plain<'_> for GridSize {
-    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<GridSize, Diagnostic> {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<GridSize, Diagnostic> {
         let mut size = [0; 3];
-        for n in &mut size {
-            *n = args.int_in(1..=i64::from(u32::MAX))? as u32;
+        for (i, n) in size.iter_mut().enumerate() {
+            *n = args.int_in(spec.kind.range(i).wholes())? as u32;
         }
         Ok(GridSize(size))
     }
@@ -66,10 +69,10 @@ keys! {
             .not_beside(&["values", "size"])
             .placed()
             .unlike("`density`, or the first", "density", "name of the grid in a .vdb or .nvdb"),
-        values: Option<GridValues> = Typed::<GridValues>::new("values", FieldKind::Numbers(8))
+        values: Option<GridValues> = Typed::<GridValues>::new("values", FieldKind::Groups(&[NumberRange::ANY; 1]))
             .not_beside(&["file", "encoding"])
             .unlike("those of `file`", "-1 -1 -1 -1 1 1 1 1", "its numbers, as many as `size` says, x first"),
-        size: Option<GridSize> = Typed::<GridSize>::new("size", FieldKind::Wholes(3))
+        size: Option<GridSize> = Typed::<GridSize>::new("size", FieldKind::Wholes(&[COUNT; 3]))
             .unlike("by the file", "2 2 2", "numbers along x, y and z, of `values` and of raw files"),
         encoding: Option<VolumeEncoding> = choice::<VolumeEncoding>("encoding")
             .only_beside("size")

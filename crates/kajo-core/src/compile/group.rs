@@ -18,6 +18,12 @@ use crate::nested::PartContent;
 use crate::schema::{Block, Kind};
 use crate::shape::{AnyShape, ShapeId};
 
+/// The word that puts objects together.
+const GROUP: &str = blocks::group::GROUP.block.keyword;
+
+/// The word that says how many objects a group holds.
+const COUNT: &str = blocks::group::OBJECT_COUNT.key;
+
 /// The word that describes objects which are placed elsewhere.
 const DEFINE: &str = blocks::group::DEFINE.keyword;
 
@@ -44,7 +50,7 @@ impl Compiler<'_> {
         let mut count = None;
         for item in self.children(group) {
             match item.keyword() {
-                "numObjects" => count = Some(item),
+                COUNT => count = Some(item),
                 word => {
                     // A misspelt object was meant to be one.
                     let is_object = OBJECTS.contains(&word) || (item.has_block() && word != DEFINE);
@@ -53,7 +59,7 @@ impl Compiler<'_> {
                 }
             }
         }
-        self.check_count("numObjects", count, objects, "object");
+        self.check_count(count, objects, "object");
     }
 
     pub(super) fn object(
@@ -78,8 +84,8 @@ impl Compiler<'_> {
             _ => {
                 let of_parent = blocks::block_of(parent).filter(|block| block.kind == Kind::Group);
                 let keys = of_parent.into_iter().flat_map(Block::fields).map(|field| field.key);
-                let allowed = OBJECTS.into_iter().chain([DEFINE, MATERIAL_INDEX, "numObjects"]).chain(keys);
-                let error = misplaced(item, Some("Group"));
+                let allowed = OBJECTS.into_iter().chain([DEFINE, MATERIAL_INDEX]).chain(keys);
+                let error = misplaced(item, Some(GROUP));
                 let error = error.unwrap_or_else(|| unknown_word(item, Some(parent), allowed));
                 self.diagnostics.push(error);
             }

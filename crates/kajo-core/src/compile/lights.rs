@@ -3,7 +3,7 @@
 use kajo_scene::{Diagnostic, Item, Params, Span};
 
 use super::Compiler;
-use super::blocks::LIGHTS as MEMBERS;
+use super::blocks::{LIGHT_COUNT, LIGHT_LIST, LIGHTS as MEMBERS};
 use super::fields::Sources;
 use super::member::keywords;
 use super::misplaced::misplaced;
@@ -22,14 +22,14 @@ const ELSEWHERE: [(&str, &str); 3] = [
 impl Compiler<'_> {
     pub(super) fn lights(&mut self, item: Item<'_>) {
         let mut params = Params::new(item, self.diagnostics);
-        let count = params.block("numLights");
+        let count = params.block(LIGHT_COUNT.key);
         let lights = params.take(&KEYWORDS);
         params.elsewhere(written_elsewhere);
-        params.elsewhere(|item| misplaced(item, Some("Lights")));
+        params.elsewhere(|item| misplaced(item, Some(LIGHT_LIST.keyword)));
         params.finish();
         // A misspelt light was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
-        self.check_count("numLights", count, n_blocks, "light");
+        self.check_count(count, n_blocks, "light");
         for light in lights {
             if let Some(member) = MEMBERS.iter().find(|member| member.block.keyword == light.keyword()) {
                 (member.read)(self, light);

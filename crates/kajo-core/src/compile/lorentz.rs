@@ -9,14 +9,15 @@ use super::Compiler;
 use super::fields::{Keys, Plain, Sources, Stated, Typed, keys};
 use super::graphics_state::{CurrentTransform, GraphicsState};
 use crate::ids::FrameId;
-use crate::schema::{Constant, FieldKind, FieldSpec};
+use crate::schema::{Constant, FieldKind, FieldSpec, NumberRange};
 
 /// A velocity as a fraction of the speed of light, less than 1 long.
 #[derive(Clone, Copy)]
 pub(super) struct Velocity(pub DVec3);
 
 /// What says how something moves.
-pub(super) const VELOCITY: Typed<Velocity> = Typed::new("velocity", FieldKind::Numbers(3));
+pub(super) const VELOCITY: Typed<Velocity> =
+    Typed::new("velocity", FieldKind::Numbers(&[NumberRange::ANY; 3]));
 
 impl Plain<'_> for Velocity {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Velocity, Diagnostic> {

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span};
 
-use super::blocks::MATERIALS as MEMBERS;
+use super::blocks::{MATERIAL_COUNT, MATERIAL_LIST, MATERIALS as MEMBERS};
 use super::extras::Extras;
 use super::fields::Sources;
 use super::material_draft::{BlendDraft, Draft, PART, Reference};
@@ -51,15 +51,15 @@ enum State {
 impl Compiler<'_> {
     pub(super) fn materials(&mut self, item: Item<'_>) {
         let mut params = Params::new(item, self.diagnostics);
-        let count = params.block("numMaterials");
+        let count = params.block(MATERIAL_COUNT.key);
         let items = params.take(&KEYWORDS);
-        params.elsewhere(|item| misplaced(item, Some("Materials")));
+        params.elsewhere(|item| misplaced(item, Some(MATERIAL_LIST.keyword)));
         params.finish();
         // A misspelt material was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
         let misspelt = item.children().filter(|item| item.has_block() && !KEYWORDS.contains(&item.keyword()));
         self.failed_materials.extend(misspelt.map(|item| item.word().map(|word| word.text().into_owned())));
-        self.check_count("numMaterials", count, n_blocks, "material");
+        self.check_count(count, n_blocks, "material");
 
         let mut names = HashMap::new();
         let bytes = items.len().saturating_mul(size_of::<(Option<Draft<'_>>, Option<String>)>());
@@ -165,7 +165,7 @@ impl Compiler<'_> {
         let by_rows = self.rules.matrix_by_rows;
         let (transform, parts, amount) = self.read_keys(item, |params, sources| {
             params.name();
-            let transform = params.block("Transform");
+            let transform = params.block(transform::PLACEMENT.keyword);
             let parts = params.take(&[PART.key]);
             Some((transform, parts, read(params, sources)))
         })?;
@@ -288,7 +288,7 @@ impl Compiler<'_> {
         if let Some(relief) = extras.relief.clone() {
             id = self.store_material(Embossed { material: inner, relief }, place)?;
         }
-        let holes = extras.opacity.as_ref().filter(|(opacity, _)| opacity.range()[0] < 1.0);
+        let holes = extras.opacity.as_ref().filter(|(opacity, _)| opacity.share_range()[0] < 1.0);
         if let Some((_, place)) = holes
             && self.scene.appearance().may_transmit(inner)
         {

@@ -3,7 +3,7 @@
 use kajo_scene::{Diagnostic, Item, Params};
 
 use super::Compiler;
-use super::blocks::{EXTERIOR, MEDIA as MEMBERS};
+use super::blocks::{EXTERIOR, MEDIA as MEMBERS, MEDIUM_LIST};
 use super::fields::{Sources, named_medium};
 use super::member::keywords;
 use super::misplaced::misplaced;
@@ -18,7 +18,7 @@ impl Compiler<'_> {
         let mut params = Params::new(item, self.diagnostics);
         let exterior = params.block(EXTERIOR.key);
         let items = params.take(&KEYWORDS);
-        params.elsewhere(|item| misplaced(item, Some("Media")));
+        params.elsewhere(|item| misplaced(item, Some(MEDIUM_LIST.keyword)));
         params.finish();
         for item in items {
             let Some(member) = MEMBERS.iter().find(|member| member.block.keyword == item.keyword()) else {

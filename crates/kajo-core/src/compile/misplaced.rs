@@ -45,7 +45,7 @@ fn home(word: &str) -> Option<Option<&'static str>> {
         Kind::Material => Some(Some(MATERIAL_LIST.keyword)),
         Kind::Texture => Some(Some(TEXTURE_LIST.keyword)),
         Kind::Group | Kind::Define | Kind::Transform | Kind::Instance | Kind::Shape => Some(Some(GROUP)),
-        Kind::Part => None,
+        Kind::Part | Kind::Picture => None,
     }
 }
 

@@ -49,9 +49,7 @@ mod operations;
 mod part;
 mod paths;
 mod picture_files;
-mod picture_sequence;
 mod picture_values;
-mod pictures;
 mod scale;
 mod settings;
 mod spectra;
@@ -62,7 +60,7 @@ mod value_names;
 
 pub use self::animation::{animation_of, clock_of};
 pub use self::blocks::animation::LAST_FRAME;
-pub use self::blocks::{block_of, blocks, keywords_of, kind_of};
+pub use self::blocks::{block_in, block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
 pub use self::operations::OPERATIONS;
 pub use self::picture_files::tile_picture;
@@ -159,7 +157,7 @@ fn compile_tree(
     let textures = root.block(TEXTURE_LIST.keyword);
     let media = root.block(MEDIUM_LIST.keyword);
     let materials = root.block(MATERIAL_LIST.keyword);
-    let group = root.block("Group");
+    let group = root.block(blocks::group::GROUP.block.keyword);
     root.elsewhere(|item| misplaced(item, None));
     root.finish();
 
@@ -309,7 +307,7 @@ impl<'a> Compiler<'a> {
         let (nodes, groups) = self.scene.textures_and_groups();
         let named = &self.texture_names;
         let textures =
-            pictures::TextureReader::new(self.assets, self.options, &mut self.pictures, nodes, named);
+            fields::TextureReader::new(self.assets, self.options, &mut self.pictures, nodes, named);
         let media = &self.medium_names;
         let mut sources = fields::Sources { textures, groups, media, rules, integrators };
         let mut params = Params::new(item, self.diagnostics);
@@ -319,8 +317,9 @@ impl<'a> Compiler<'a> {
     }
 
     /// Checks an optional count such as `numLights`; `what` is counted, in the singular.
-    fn check_count(&mut self, key: &str, counter: Option<Item<'_>>, found: usize, what: &str) {
+    fn check_count(&mut self, counter: Option<Item<'_>>, found: usize, what: &str) {
         let Some(counter) = counter else { return };
+        let key = counter.keyword();
         let said =
             kajo_scene::Args::read(counter, self.diagnostics, |args| args.int_in(0..=i64::from(u32::MAX)));
         if let Some(said) = said.filter(|&said| usize::try_from(said) != Ok(found)) {

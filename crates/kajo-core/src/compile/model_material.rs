@@ -60,7 +60,7 @@ impl Compiler<'_> {
             true => black(),
             false => self.model_layers(material, color.as_ref(), metal, pictures),
         };
-        let is_body = layers.transmission.range()[1] > 0.0 && !layers.thin;
+        let is_body = layers.transmission.share_range()[1] > 0.0 && !layers.thin;
         let opacity = if is_body { None } else { self.model_opacity(material, color.as_ref(), pictures.at) };
         let shown = color.clone().and_then(|map| self.color_picture(map, pictures.at));
         let look = PhongMaterial::from(phong(material)).with_picture(shown);
@@ -136,7 +136,7 @@ impl Compiler<'_> {
         let gloss = self.model_picture(material.gloss.picture, AMOUNTS, pictures);
         let weight = self.number(gloss, material.gloss.value, Channel::Alpha, pictures.at);
         let map = self.model_picture(picture, None, pictures);
-        if map.is_none() && color == [1.0; 3] && weight.range()[0] >= 1.0 {
+        if map.is_none() && color == [1.0; 3] && weight.share_range()[0] >= 1.0 {
             return SpecularLayer::default();
         }
         let scale = color.into_iter().fold(1.0, f32::max);

@@ -18,6 +18,7 @@ pub(super) const BLOCK: Block = Block {
     kind: Kind::Part,
     about: "an operation that changes with time",
     groups: &[],
+    parts: &[&KEY],
 };
 
 pub(super) const KEY: Block = Block {
@@ -25,6 +26,7 @@ pub(super) const KEY: Block = Block {
     kind: Kind::Part,
     about: "the operations that hold at a moment",
     groups: &[operations::FIELDS],
+    parts: &[],
 };
 
 /// Reads a `Motion` block; `None` when an error was reported.

@@ -127,7 +127,7 @@ impl Compiler<'_> {
         let (mut id, mut share) = if is_physical(mtl) {
             let layers = self.mtl_layers(described, color);
             let opacity = cover.or(mtl.opacity.map(|d| FloatTexture::Constant(d.clamp(0.0, 1.0))));
-            let opacity = opacity.filter(|share| share.range()[0] < 1.0);
+            let opacity = opacity.filter(|share| share.share_range()[0] < 1.0);
             (self.store_material(LayeredMaterial::from(layers), described.place)?, opacity)
         } else {
             let color = color.and_then(|map| self.color_picture(map, described.place));

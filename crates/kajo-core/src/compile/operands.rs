@@ -2,20 +2,20 @@
 
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
+use super::fields::{COLORS, Sources};
 use super::named_texture::{NamedTexture, is_spectrum};
-use super::pictures::TextureReader;
 use crate::schema::{FieldKind, FieldSpec};
 
 /// What another texture is written by.
 pub(super) const OPERAND: FieldSpec = FieldSpec {
     about: "what it is made of: the name of a texture, a picture, a number, or a colour",
-    ..FieldSpec::new("texture", FieldKind::Text).or_texture()
+    ..FieldSpec::new("texture", FieldKind::Text).or_texture(&COLORS)
 };
 
-impl TextureReader<'_> {
+impl Sources<'_> {
     /// A texture where any may stand: a name, a picture, a function, one number, or three of a colour.
     pub fn operand(&mut self, item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<NamedTexture> {
-        if let Some(named) = self.named(item, diagnostics, is_spectrum) {
+        if let Some(named) = self.named_texture(item, diagnostics, is_spectrum) {
             Args::read(item, diagnostics, |args| args.text())?;
             return named;
         }

@@ -6,7 +6,7 @@
 use kajo_math::{DAffine3, DMat3, DVec3, fmath};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item};
 
-use crate::schema::{Absent, Constant, FieldKind, FieldSpec};
+use crate::schema::{Absent, Constant, FieldKind, FieldSpec, NumberRange};
 
 /// An operation of a `Transform`.
 struct Operation {
@@ -26,7 +26,11 @@ impl Operation {
         read: fn(&mut Args<'_>, bool) -> Result<DAffine3, Diagnostic>,
     ) -> Operation {
         let absent = Absent::Value(Constant::Text(nothing));
-        Operation { spec: FieldSpec { absent, about, ..FieldSpec::new(key, kind) }, read, from_left: false }
+        Operation {
+            spec: FieldSpec { absent, repeats: true, about, ..FieldSpec::new(key, kind) },
+            read,
+            from_left: false,
+        }
     }
 
     /// A turn about one of the axes of the world.
@@ -41,7 +45,8 @@ impl Operation {
     const fn matrix(key: &'static str) -> Operation {
         let identity = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
         let about = "any affine map, column by column unless the dialect has rows";
-        let operation = Operation::new(key, FieldKind::Numbers(16), identity, about, matrix);
+        let operation =
+            Operation::new(key, FieldKind::Numbers(&[NumberRange::ANY; 16]), identity, about, matrix);
         Operation { from_left: true, ..operation }
     }
 }
@@ -62,7 +67,7 @@ const ALL: [Operation; 9] = [
     }),
     Operation::new(
         "Rotate",
-        FieldKind::Numbers(4),
+        FieldKind::Numbers(&[NumberRange::ANY; 4]),
         "0 1 0 0",
         "turns about an axis: x y z degrees",
         |args, _| args.numbers().map(rotation),

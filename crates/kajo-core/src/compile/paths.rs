@@ -8,6 +8,7 @@
 
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
+use crate::schema::{Absent, FieldKind, FieldSpec, NumberRange};
 use crate::shape::{ControlPoint, Path};
 
 /// An item of a path, and what it is made of.
@@ -26,6 +27,19 @@ const SEGMENTS: [(&str, PathSegment); 4] = [
     ("spline", PathSegment::Spline),
 ];
 
+/// The descriptions of the items of a path, whose points are numbers with these ranges.
+pub(super) const fn fields(point: &'static [NumberRange]) -> [FieldSpec; SEGMENTS.len()] {
+    let mut specs = [FieldSpec::new("", FieldKind::Groups(point)); SEGMENTS.len()];
+    let mut i = 0;
+    while i < specs.len() {
+        let (key, segment) = SEGMENTS[i];
+        let absent = Absent::Nothing { means: "none", start: "" };
+        specs[i] = FieldSpec { key, absent, repeats: true, about: segment.about(), ..specs[i] };
+        i += 1;
+    }
+    specs
+}
+
 impl PathSegment {
     /// How many points it takes to go on.
     fn group(self) -> usize {
@@ -36,11 +50,23 @@ impl PathSegment {
         }
     }
 
-    fn about(self) -> &'static str {
+    /// What it goes on by.
+    const fn points(self) -> &'static str {
         match self {
             PathSegment::Line | PathSegment::Spline => "points",
             PathSegment::Quadratic => "pairs of points: one it is drawn towards, and its end",
             PathSegment::Cubic => "three points each: two it is drawn towards, and its end",
+        }
+    }
+
+    const fn about(self) -> &'static str {
+        match self {
+            PathSegment::Line => "goes straight from point to point",
+            PathSegment::Quadratic => {
+                "quadratic Béziers by pairs of points: one each is drawn towards, and its end"
+            }
+            PathSegment::Cubic => "cubic Béziers by three points each: two it is drawn towards, and its end",
+            PathSegment::Spline => "goes smoothly through points",
         }
     }
 }
@@ -79,7 +105,8 @@ pub(super) fn read<'t, V: ControlPoint>(
     let Some(start) = segments.first().and_then(|(_, points)| points.first()) else {
         if block.has_block() {
             let error = Diagnostic::error(format!("this `{}` goes nowhere", block.keyword()));
-            let help = "write `line`, `quadratic`, `cubic` or `spline`, and points";
+            let words = SEGMENTS.map(|(word, _)| format!("`{word}`")).join(", ");
+            let help = format!("write one of {words}, and points");
             diagnostics.push(error.label(block.keyword_span(), "no points in it").help(help));
         }
         return None;
@@ -123,7 +150,7 @@ fn points<'t, V>(
     let onward = count - usize::from(is_first);
     if !onward.is_multiple_of(segment.group()) {
         let begins = if is_first { "the path begins at the first point and " } else { "" };
-        let message = format!("{begins}`{word}` goes on by {}; found {onward}", segment.about());
+        let message = format!("{begins}`{word}` goes on by {}; found {onward}", segment.points());
         return Err(args.error(message));
     }
     (0..count).map(|_| point(args)).collect()

@@ -3,20 +3,22 @@
 use kajo_color::Emission;
 use kajo_scene::{Args, Diagnostics, Item, Params, Span};
 
-use super::fields::{Sources, Typed, Value};
-use super::pictures::{is_picture, name_with, read_channel};
+use super::fields::{
+    ChannelKeys, CutoffKeys, HOLES, HeightKeys, Keys, NormalKeys, SLIDE, SlideKeys, Sources, Typed, Value,
+    is_picture, name_with,
+};
 use super::spectra::factor;
 use crate::schema::{FieldKind, FieldSpec};
 use crate::texture::{ColorTexture, Encoding, Expression, FloatTexture, PictureChannel, PictureCut};
 
 /// The share of a surface that is there, or a texture of it.
 pub(super) const fn opacity(key: &'static str) -> Typed<Opacity> {
-    Typed::new(key, FieldKind::SHARE).textured()
+    Typed::new(key, FieldKind::SHARE).textured(&HOLES)
 }
 
 /// The light of a surface, or a texture that light shines through.
 pub(super) const fn surface_light(key: &'static str) -> Typed<SurfaceLight> {
-    Typed::new(key, FieldKind::Emission).textured()
+    Typed::new(key, FieldKind::Emission).textured(&SLIDE)
 }
 
 /// The share of a surface that is there, and where that is said.
@@ -32,14 +34,11 @@ impl Value<'_> for Opacity {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<Opacity> {
-        let read = |params: &mut Params<'_, '_>| {
-            (read_channel(params), params.optional("cutoff", |args| args.number_in(0.0..=1.0)))
-        };
-        let node = |map, (channel, cutoff)| match cutoff {
+        let node = |(map, channel), CutoffKeys { cutoff }| match cutoff {
             None => PictureChannel { map, channel }.into(),
             Some(least) => PictureCut { map, channel, least }.into(),
         };
-        let share = sources.textures.float_of(spec, item, diagnostics, read, node);
+        let share = sources.float_of(spec, item, diagnostics, CutoffKeys::read, node);
         share.map(|share| Opacity { share, place: item.head_span() })
     }
 }
@@ -58,9 +57,8 @@ impl Value<'_> for NormalMap {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<NormalMap> {
-        let scale = |params: &mut Params<'_, '_>| Scale(params.or("scale", 1.0, Args::number));
-        let (map, Scale(scale)) =
-            sources.textures.pictures.map(item, Some(Encoding::Linear), diagnostics, scale)?;
+        let (map, NormalKeys { scale }) =
+            sources.picture(item, Some(Encoding::Linear), diagnostics, NormalKeys::read)?;
         Some(NormalMap { normals: sources.textures.nodes.color(map)?, scale })
     }
 }
@@ -85,16 +83,17 @@ impl Value<'_> for HeightMap {
             let heights = sources.textures.nodes.float(Expression { function, bounds })?;
             return Some(HeightMap { heights, height: 1.0 });
         }
-        if let Some(named) = sources.textures.named(item, diagnostics, |_| false) {
-            let height = name_with(item, diagnostics, |params| params.optional("height", Args::number))?;
+        if let Some(named) = sources.named_texture(item, diagnostics, |_| false) {
+            let HeightKeys { height } =
+                name_with(item, diagnostics, |params| HeightKeys::read(params, sources))?;
             let heights = named?.number(sources.textures.nodes)?;
-            return Some(HeightMap { heights, height: height.unwrap_or(Height::default().0) });
+            return Some(HeightMap { heights, height });
         }
-        let read = |params: &mut Params<'_, '_>| {
-            (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
+        let read = |params: &mut Params<'_, '_>, sources: &mut Sources<'_>| {
+            Some((HeightKeys::read(params, sources)?, ChannelKeys::read(params, sources)?))
         };
-        let (map, (Height(height), channel)) =
-            sources.textures.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
+        let (map, (HeightKeys { height }, ChannelKeys { channel })) =
+            sources.picture(item, Some(Encoding::Linear), diagnostics, read)?;
         let heights = sources.textures.nodes.float(PictureChannel { map, channel })?;
         Some(HeightMap { heights, height })
     }
@@ -113,31 +112,28 @@ impl Value<'_> for SurfaceLight {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<SurfaceLight> {
-        let spectra = sources.textures.spectra;
-        let light = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
         let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
-        // Other words are lights.
-        if let Some(named) = sources.textures.named(item, diagnostics, |_| true) {
-            let (factor, light) = if item.has_block() {
-                let mut params = Params::new(item, diagnostics);
-                let (own, light) = (params.own(name), light(&mut params));
+        let (slide, factor, SlideKeys { light }) = match sources.named_texture(item, diagnostics, |_| true) {
+            Some(named) => {
+                let mut params = Params::within(item, diagnostics);
+                let (own, keys) = (params.own(name), SlideKeys::read(&mut params, sources));
                 params.finish();
-                (own?.1, light)
-            } else {
-                (Args::read(item, diagnostics, name)?.1, None)
-            };
-            let slide = named?.color(sources.textures.nodes)?;
-            let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);
-            return Some(SurfaceLight { light, slide: Some(slide) });
-        }
-        if !is_picture(item) {
-            let light = Args::read(item, diagnostics, |args| spectra.emission(args))?;
-            return Some(SurfaceLight { light, slide: None });
-        }
-        let ((map, factor), light) =
-            sources.textures.pictures.map_and(item, None, diagnostics, name, light)?;
+                (named?.color(sources.textures.nodes)?, own?.1, keys?)
+            }
+            None if is_picture(item) => {
+                let ((map, factor), keys) =
+                    sources.picture_and(item, None, diagnostics, name, SlideKeys::read)?;
+                (sources.textures.nodes.color(map)?, factor, keys)
+            }
+            // Other words are lights.
+            None => {
+                let spectra = sources.textures.spectra;
+                let light = Args::read(item, diagnostics, |args| spectra.emission(args))?;
+                return Some(SurfaceLight { light, slide: None });
+            }
+        };
         let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);
-        Some(SurfaceLight { light, slide: Some(sources.textures.nodes.color(map)?) })
+        Some(SurfaceLight { light, slide: Some(slide) })
     }
 }
 
@@ -151,25 +147,7 @@ impl Value<'_> for ColorPicture {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<ColorPicture> {
-        let (map, ()) = sources.textures.pictures.map(item, None, diagnostics, |_| ())?;
+        let (map, ()) = sources.picture(item, None, diagnostics, |_, _| Some(()))?;
         sources.textures.nodes.color(map).map(ColorPicture)
-    }
-}
-
-/// How steep a picture of normals is made.
-struct Scale(f32);
-
-impl Default for Scale {
-    fn default() -> Scale {
-        Scale(1.0)
-    }
-}
-
-/// How far white rises above black.
-struct Height(f32);
-
-impl Default for Height {
-    fn default() -> Height {
-        Height(0.01)
     }
 }

@@ -12,7 +12,7 @@ use super::fields::{
 use crate::interaction::RayOffset;
 use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
-use crate::schema::{Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind};
+use crate::schema::{Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind, NumberRange};
 use crate::settings::{
     Caustics, Dialect, Directions, FilterChoice, Gradients, IntegratorName, PhotonMapUse, Settings,
     ShadowAttenuation, Shadows, Technique,
@@ -67,8 +67,19 @@ const RECORD_RAYS: [u32; 2] = [16, 1 << 20];
 /// The largest seed, up to which every whole number is a double.
 const MAX_SEED: f64 = (1u64 << 53) as f64;
 
-/// The most columns or rows of a picture.
-const MAX_SIDE: f32 = 16_777_216.0;
+/// Columns or rows of a picture.
+const SIDE: NumberRange = NumberRange { min: 1.0, max: 16_777_216.0 };
+
+/// How many samples a pixel may have.
+const SAMPLES: NumberRange = NumberRange { min: 1.0, max: Settings::MAX_SAMPLES as f64 };
+
+/// Sizes of filters, in pixels.
+const FILTER_SIZES: NumberRange =
+    NumberRange { min: *FilterChoice::SIZES.start(), max: *FilterChoice::SIZES.end() };
+
+/// Temperatures and tints of light that is to look white.
+const KELVIN: NumberRange = NumberRange { min: 1000.0, max: 25_000.0 };
+const TINT: NumberRange = NumberRange { min: -150.0, max: 150.0 };
 
 const SAMPLERS: &[&str] = &words(&SamplerKind::NAMES);
 const FILTER_WORDS: &[&str] = &words(&FilterChoice::NAMES);
@@ -87,14 +98,14 @@ struct WhiteBalance([f64; 2]);
 
 keys! {
     SettingsKeys {
-        size: Option<Size> = Typed::<Size>::new("size", FieldKind::Wholes(2))
+        size: Option<Size> = Typed::<Size>::new("size", FieldKind::Wholes(&[SIDE; 2]))
             .unit("pixels")
             .ruled(size, "800 600", "columns and rows of the picture"),
         integrator: Option<IntegratorName> = Typed::<IntegratorName>::new("integrator", FieldKind::Integrator)
             .ruled(integrator, "classic", "how light is followed"),
         samples: Option<Samples> = Typed::<Samples>::new(
             "samples",
-            FieldKind::ChoiceAndWhole(SAMPLERS),
+            FieldKind::ChoiceAndWhole(SAMPLERS, SAMPLES),
         )
         .ruled(samples, "by the integrator", "rays of each pixel"),
         bounces: Option<u32> = count("bounces", 0, 1000)
@@ -112,7 +123,7 @@ keys! {
         weight: Option<f32> = at_least("weight", 0.0)
             .presumed(Constant::Number(0.0), "rays that count for less are not followed"),
         filter: Option<FilterChoice> =
-            Typed::<FilterChoice>::new("filter", FieldKind::ChoiceAndNumber(FILTER_WORDS))
+            Typed::<FilterChoice>::new("filter", FieldKind::ChoiceAndNumber(FILTER_WORDS, FILTER_SIZES))
                 .presumed(Constant::Word("none"), "how samples become pixels"),
         seed: Option<Seed> =
             Typed::<Seed>::new("seed", FieldKind::Whole { min: 0.0, max: MAX_SEED })
@@ -164,7 +175,7 @@ keys! {
         tone: Option<Tone> =
             choice::<Tone>("tone").ruled(tone, "by the integrator", "curve from light to pixels"),
         white_balance: Option<WhiteBalance> =
-            Typed::<WhiteBalance>::new("whiteBalance", FieldKind::Numbers(2))
+            Typed::<WhiteBalance>::new("whiteBalance", FieldKind::Numbers(&[KELVIN, TINT]))
                 .unit("K")
                 .unlike("as it is", "6500 0", "kelvin and tint of the light that is to look white"),
         dialect: Option<Dialect> =
@@ -178,6 +189,7 @@ pub const BLOCK: Block = Block {
     kind: Kind::Settings,
     about: "how the scene is to be rendered",
     groups: &[SettingsKeys::FIELDS],
+    parts: &[],
 };
 
 // What a render takes that nobody asks for anything else.
@@ -279,8 +291,9 @@ impl From<SettingsKeys> for Settings {
 }
 
 impl Plain<'_> for Size {
-    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Size, Diagnostic> {
-        let side = |n: f32| ((1.0..=MAX_SIDE).contains(&n) && n == n.trunc()).then_some(n as u32);
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Size, Diagnostic> {
+        let range = spec.kind.range(0);
+        let side = |n: f32| (range.contains(n.into()) && n == n.trunc()).then_some(n as u32);
         match args.numbers::<2>()?.map(side) {
             [Some(w), Some(h)] => Ok(Size([w, h])),
             _ => Err(args.error("`size` must be two whole numbers above zero")),
@@ -289,9 +302,9 @@ impl Plain<'_> for Size {
 }
 
 impl Plain<'_> for Samples {
-    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Samples, Diagnostic> {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Samples, Diagnostic> {
         let kind = args.choice(&SamplerKind::NAMES)?;
-        Ok(Samples(kind, args.int_in(1..=Settings::MAX_SAMPLES.into())? as u32))
+        Ok(Samples(kind, args.int_in(spec.kind.range(0).wholes())? as u32))
     }
 }
 
@@ -313,17 +326,18 @@ impl Plain<'_> for Seed {
 
 /// A temperature in kelvin, and a tint if there is one.
 impl Plain<'_> for WhiteBalance {
-    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<WhiteBalance, Diagnostic> {
-        let kelvin = args.number_in(1000.0..=25_000.0)?;
-        let tint = if args.numbers_left() == 0 { 0.0 } else { args.number_in(-150.0..=150.0)? };
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<WhiteBalance, Diagnostic> {
+        let [kelvin, tint] = [0, 1].map(|i| spec.kind.range(i).bounds());
+        let kelvin = args.number_in(kelvin)?;
+        let tint = if args.numbers_left() == 0 { 0.0 } else { args.number_in(tint)? };
         Ok(WhiteBalance([kelvin.into(), tint.into()]))
     }
 }
 
 impl Plain<'_> for FilterChoice {
-    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<FilterChoice, Diagnostic> {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<FilterChoice, Diagnostic> {
         let (make, default) = args.choice(&FilterChoice::NAMES)?;
-        let size = if args.numbers_left() == 0 { default } else { args.number_in(FilterChoice::SIZES)? };
+        let size = if args.numbers_left() == 0 { default } else { args.number_in(spec.kind.bounds())? };
         Ok(make(size))
     }
 }

@@ -119,7 +119,7 @@ fn answer(scene: &Scene, x: f32) -> String {
 #[test]
 fn a_texture_is_at_each_place_the_number_that_it_has_there() {
     let mut tested = 0;
-    for (block, field) in fields().filter(|(_, field)| field.texture) {
+    for (block, field) in fields().filter(|(_, field)| field.texture.is_some()) {
         let (left, right, texture) = match field.kind {
             FieldKind::Number { min, .. } => {
                 let [lo, hi] = [min + 0.25, min + 0.75];
@@ -149,7 +149,7 @@ fn a_texture_is_at_each_place_the_number_that_it_has_there() {
 #[test]
 fn a_named_texture_is_at_each_place_what_it_is_there() {
     let mut tested = 0;
-    for (block, field) in fields().filter(|(_, field)| field.texture) {
+    for (block, field) in fields().filter(|(_, field)| field.texture.is_some()) {
         let (left, right, name) = match field.kind {
             FieldKind::Number { min, .. } => {
                 let [lo, hi] = [min + 0.25, min + 0.75];
@@ -173,7 +173,7 @@ fn a_named_texture_is_at_each_place_what_it_is_there() {
 #[test]
 fn a_function_is_at_each_place_the_number_that_it_has_there() {
     let mut tested = 0;
-    for (block, field) in fields().filter(|(_, field)| field.texture) {
+    for (block, field) in fields().filter(|(_, field)| field.texture.is_some()) {
         let FieldKind::Number { min, .. } = field.kind else { continue };
         let [lo, hi] = [min + 0.25, min + 0.75];
         let function = format!("= {lo} + 0.5 * step(x, 0)");
@@ -195,10 +195,10 @@ fn numbers_and_colours_of_materials_may_be_textures() {
     let is_value = |field: &FieldSpec| {
         matches!(
             field.kind,
-            FieldKind::Number { .. } | FieldKind::Color | FieldKind::Reflectance | FieldKind::Emission
+            FieldKind::Number { .. } | FieldKind::Color(_) | FieldKind::Reflectance | FieldKind::Emission
         )
     };
-    let others = fields().filter(|(_, field)| is_value(field) && !field.texture);
+    let others = fields().filter(|(_, field)| is_value(field) && field.texture.is_none());
     let others: Vec<_> = others.map(|(block, field)| (block.keyword, field.key)).collect();
     let mut expected = NO_TEXTURES.to_vec();
     expected.sort_unstable();

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use kajo_scene::{Diagnostic, Item, Params};
 
 use super::Compiler;
-use super::blocks::TEXTURES as MEMBERS;
+use super::blocks::{TEXTURE_LIST, TEXTURES as MEMBERS};
 use super::member::keywords;
 use super::misplaced::misplaced;
 use super::named_texture::NamedTexture;
@@ -52,7 +52,7 @@ impl Compiler<'_> {
     pub(super) fn textures(&mut self, item: Item<'_>) {
         let mut params = Params::new(item, self.diagnostics);
         let items = params.take(&KEYWORDS);
-        params.elsewhere(|item| misplaced(item, Some("Textures")));
+        params.elsewhere(|item| misplaced(item, Some(TEXTURE_LIST.keyword)));
         params.finish();
         let graph = self.texture_graph(items);
         let mut states = vec![State::Untouched; graph.items.len()];
@@ -90,7 +90,9 @@ impl Compiler<'_> {
         for item in &graph.items {
             let block = MEMBERS.iter().find(|member| member.block.keyword == item.keyword());
             let is_texture = |key: &str| {
-                block.is_some_and(|member| member.block.field(key).is_some_and(|field| field.texture))
+                block.is_some_and(|member| {
+                    member.block.field(key).is_some_and(|field| field.texture.is_some())
+                })
             };
             let named = item.children().filter(|child| is_texture(child.keyword()));
             let numbers = named.filter_map(|child| numbers.get(&*child.word()?.text()).copied());

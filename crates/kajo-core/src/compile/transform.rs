@@ -4,7 +4,17 @@ use kajo_math::{Affine3A, DAffine3};
 use kajo_scene::{Diagnostics, Item, Params};
 
 use super::motion;
-use super::operations::{MOTION, OPERATIONS, apply};
+use super::operations::{self, MOTION, OPERATIONS, apply};
+use crate::schema::{Block, Kind};
+
+/// The operations that place what they stand in.
+pub(super) const PLACEMENT: Block = Block {
+    keyword: "Transform",
+    kind: Kind::Part,
+    about: "operations that place the pattern around them",
+    groups: &[operations::FIELDS],
+    parts: &[],
+};
 
 /// The product of those items of a block that are operations; faulty ones are left out. What moves is taken as it is at
 /// time 0.

@@ -9,34 +9,7 @@ use std::collections::HashSet;
 use kajo_scene::{Diagnostic, Diagnostics, SceneDesc};
 
 use super::blocks::{MATERIAL_INDEX, blocks};
-use crate::schema::Block;
-
-/// Words that are read and are no fields of blocks: of pictures and paths, and counts.
-const OTHERS: [&str; 23] = [
-    MATERIAL_INDEX,
-    "numObjects",
-    "numLights",
-    "numMaterials",
-    "channel",
-    "cubic",
-    "cutoff",
-    "cycle",
-    "encoding",
-    "filter",
-    "frameOffset",
-    "frames",
-    "height",
-    "light",
-    "line",
-    "offset",
-    "quadratic",
-    "range",
-    "repeat",
-    "scale",
-    "spline",
-    "tiling",
-    "wrap",
-];
+use crate::schema::{Block, Kind};
 
 /// Reports values that are named by words of the language, each name once.
 pub(super) fn check(desc: &SceneDesc, diagnostics: &mut Diagnostics) {
@@ -50,8 +23,11 @@ pub(super) fn check(desc: &SceneDesc, diagnostics: &mut Diagnostics) {
 }
 
 fn is_word(name: &str) -> bool {
-    let keys = || blocks().flat_map(Block::fields).map(|field| field.key);
-    OTHERS.contains(&name) || blocks().any(|block| block.keyword == name) || keys().any(|key| key == name)
+    let parts = || blocks().chain(blocks().flat_map(|block| block.parts.iter().copied()));
+    let keys = || parts().flat_map(Block::fields).map(|field| field.key);
+    // What is said behind a picture has no word of its own.
+    let mut words = parts().filter(|block| block.kind != Kind::Picture).map(|block| block.keyword);
+    name == MATERIAL_INDEX || words.any(|word| word == name) || keys().any(|key| key == name)
 }
 
 #[cfg(test)]
@@ -124,7 +100,7 @@ mod tests {
                 asked.extend(text.split(ask).skip(1).flat_map(literals).map(str::to_owned));
             }
         }
-        for word in ["channel", "numLights", "Transform", "displacement", "indexOfRefraction"] {
+        for word in ["environment", "displacement", "indexOfRefraction", "tiling"] {
             assert!(asked.contains(word), "the reader of `{word}` is found");
         }
         let unknown: Vec<&String> = asked.iter().filter(|word| !is_word(word)).collect();

@@ -54,7 +54,7 @@ pub struct ShadingPoint<'a> {
 
 /// Whether a pane of a roughness lets light go straight on anywhere.
 fn may_be_polished(roughness: FloatTexture) -> bool {
-    let least = roughness.range()[0];
+    let least = roughness.share_range()[0];
     least * least <= POLISHED
 }
 

@@ -69,7 +69,7 @@ impl Grain {
 
     /// Whether the facets are not alike all around.
     pub fn exists(&self) -> bool {
-        self.anisotropy.range()[1] > 0.0
+        self.anisotropy.share_range()[1] > 0.0
     }
 
     /// Its textures.

@@ -7,7 +7,7 @@
 mod spec;
 mod value;
 
-pub use spec::{Absent, Around, FieldKind, FieldSpec};
+pub use spec::{Absent, Around, FieldKind, FieldSpec, NumberRange};
 pub use value::{Constant, FieldValue, number_text, quoted};
 
 /// What a block describes.
@@ -51,6 +51,8 @@ pub enum Kind {
     Shape,
     /// A block within one of the others.
     Part,
+    /// What is said behind the name of a picture or of a texture.
+    Picture,
 }
 
 impl Kind {
@@ -76,6 +78,8 @@ pub struct Block {
     pub about: &'static str,
     /// Its fields: its own, and groups that it shares with other blocks.
     pub groups: &'static [&'static [FieldSpec]],
+    /// Blocks that may stand within it, beside members of a family that it lists and objects that it holds.
+    pub parts: &'static [&'static Block],
 }
 
 impl Block {
@@ -87,6 +91,23 @@ impl Block {
     /// The field called `key`.
     pub fn field(&self, key: &str) -> Option<&'static FieldSpec> {
         self.fields().find(|field| field.key == key)
+    }
+
+    /// The part with this keyword, or what may be said behind a picture that is the value of this key.
+    pub fn part(&self, keyword: &str) -> Option<&'static Block> {
+        let part = self.parts.iter().copied().find(|part| part.keyword == keyword);
+        part.or_else(|| self.field(keyword)?.texture)
+    }
+
+    /// Whether a block may stand within it as one of a family or as an object.
+    pub fn lists(&self, block: &Block) -> bool {
+        match self.kind {
+            Kind::Lights => block.kind == Kind::Light,
+            Kind::Materials => block.kind == Kind::Material,
+            Kind::Textures => block.kind == Kind::Texture,
+            Kind::Media => block.kind == Kind::Medium,
+            kind => kind.holds_objects() && (block.kind.is_object() || block.kind == Kind::Define),
+        }
     }
 
     /// All spellings of a key, the usual one first; none for a key that it has not.

@@ -1,9 +1,9 @@
 //! The description of a field.
 
 use std::fmt;
-use std::ops::Bound;
+use std::ops::{Bound, RangeBounds, RangeInclusive};
 
-use super::{Constant, FieldValue};
+use super::{Block, Constant, FieldValue};
 use crate::scene::Scene;
 use crate::settings::{Dialect, Rules, Settings};
 
@@ -24,6 +24,8 @@ pub enum FieldKind {
         /// The most.
         max: f64,
     },
+    /// How many members a list has, or objects a group.
+    Count,
     /// An angle in degrees within bounds.
     Angle {
         /// The least.
@@ -35,8 +37,8 @@ pub enum FieldKind {
     Point,
     /// A direction of any length but zero, or an edge: three numbers.
     Vector,
-    /// Linear red, green and blue.
-    Color,
+    /// Linear red, green and blue, each within a range.
+    Color(NumberRange),
     /// Linear red, green and blue; or a file or `spectrum` with its numbers.
     Reflectance,
     /// Linear red, green and blue, one number for white, or a light source's name with its factor.
@@ -46,17 +48,21 @@ pub enum FieldKind {
     /// One of these words.
     Choice(&'static [&'static str]),
     /// One of these words, and then at most one number.
-    ChoiceAndNumber(&'static [&'static str]),
+    ChoiceAndNumber(&'static [&'static str], NumberRange),
     /// One of these words, and then a whole number.
-    ChoiceAndWhole(&'static [&'static str]),
-    /// This many numbers, or fewer.
-    Numbers(usize),
-    /// This many whole numbers.
-    Wholes(usize),
+    ChoiceAndWhole(&'static [&'static str], NumberRange),
+    /// Numbers with these ranges, or fewer.
+    Numbers(&'static [NumberRange]),
+    /// Whole numbers with these ranges.
+    Wholes(&'static [NumberRange]),
+    /// Numbers in groups with these ranges, any number of groups.
+    Groups(&'static [NumberRange]),
     /// The name of a file.
     File,
     /// A word or some text.
     Text,
+    /// The name of a picture.
+    Picture,
     /// A function of the place behind an equals sign, or a number.
     Function,
     /// The name or number of a material.
@@ -72,6 +78,8 @@ impl FieldKind {
     pub const POSITIVE: FieldKind = FieldKind::Number { min: f64::MIN_POSITIVE, max: f64::MAX };
     /// A part of a whole.
     pub const SHARE: FieldKind = FieldKind::Number { min: 0.0, max: 1.0 };
+    /// Any colour.
+    pub const COLOR: FieldKind = FieldKind::Color(NumberRange::ANY);
 
     /// A value to begin with where nothing better is known; none for what has to be typed.
     pub fn plain(self) -> FieldValue {
@@ -79,19 +87,24 @@ impl FieldKind {
             FieldKind::Number { min, max }
             | FieldKind::Whole { min, max }
             | FieldKind::Angle { min, max } => FieldValue::numbers([1f64.clamp(min, max)]),
+            FieldKind::Count => FieldValue::numbers([1.0]),
             FieldKind::Point | FieldKind::Vector => FieldValue::numbers([0.0, 1.0, 0.0]),
-            FieldKind::Color | FieldKind::Reflectance | FieldKind::Emission => FieldValue::numbers([1.0; 3]),
+            FieldKind::Color(_) | FieldKind::Reflectance | FieldKind::Emission => {
+                FieldValue::numbers([1.0; 3])
+            }
             FieldKind::Flag => FieldValue::flag(true),
             FieldKind::Choice(words)
-            | FieldKind::ChoiceAndNumber(words)
-            | FieldKind::ChoiceAndWhole(words) => {
+            | FieldKind::ChoiceAndNumber(words, _)
+            | FieldKind::ChoiceAndWhole(words, _) => {
                 words.first().map_or_else(FieldValue::default, |word| FieldValue::word(*word))
             }
-            FieldKind::Numbers(count) | FieldKind::Wholes(count) => {
-                FieldValue::numbers(std::iter::repeat_n(1.0, count))
+            FieldKind::Numbers(ranges) | FieldKind::Wholes(ranges) => {
+                FieldValue::numbers(ranges.iter().map(|range| 1f64.clamp(range.min, range.max)))
             }
-            FieldKind::File
+            FieldKind::Groups(_)
+            | FieldKind::File
             | FieldKind::Text
+            | FieldKind::Picture
             | FieldKind::Function
             | FieldKind::Material
             | FieldKind::Integrator => FieldValue::default(),
@@ -100,38 +113,52 @@ impl FieldKind {
 
     /// The bounds of a number; none of what is no single number.
     pub fn bounds(self) -> (Bound<f64>, Bound<f64>) {
-        let (FieldKind::Number { min, max } | FieldKind::Whole { min, max } | FieldKind::Angle { min, max }) =
-            self
-        else {
-            return (Bound::Unbounded, Bound::Unbounded);
-        };
-        let low = match min {
-            f64::MIN => Bound::Unbounded,
-            f64::MIN_POSITIVE => Bound::Excluded(0.0),
-            _ => Bound::Included(min),
-        };
-        (low, if max == f64::MAX { Bound::Unbounded } else { Bound::Included(max) })
+        self.range(0).bounds()
+    }
+
+    /// The range of one of its numbers, counted from 0; of groups the first one tells.
+    pub fn range(self, index: usize) -> NumberRange {
+        match self {
+            FieldKind::Number { min, max }
+            | FieldKind::Whole { min, max }
+            | FieldKind::Angle { min, max } => NumberRange { min, max },
+            FieldKind::Color(range)
+            | FieldKind::ChoiceAndNumber(_, range)
+            | FieldKind::ChoiceAndWhole(_, range) => range,
+            FieldKind::Numbers(ranges) | FieldKind::Wholes(ranges) | FieldKind::Groups(ranges) => {
+                ranges.get(index).copied().unwrap_or(NumberRange::ANY)
+            }
+            _ => NumberRange::ANY,
+        }
     }
 }
 
 impl fmt::Display for FieldKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            FieldKind::Number { min, max } => write!(f, "number{}", Range { min, max }),
-            FieldKind::Whole { min, max } => write!(f, "whole number{}", Range { min, max }),
-            FieldKind::Angle { min, max } => write!(f, "degrees{}", Range { min, max }),
+            FieldKind::Number { min, max } => write!(f, "number{}", NumberRange { min, max }),
+            FieldKind::Whole { min, max } => write!(f, "whole number{}", NumberRange { min, max }),
+            FieldKind::Count => f.write_str("whole number ≥ 0"),
+            FieldKind::Angle { min, max } => write!(f, "degrees{}", NumberRange { min, max }),
             FieldKind::Point | FieldKind::Vector => f.write_str("x y z"),
-            FieldKind::Color => f.write_str("r g b"),
+            FieldKind::Color(range) => write!(f, "r g b{range}"),
             FieldKind::Reflectance => f.write_str("r g b, or a file or spectrum"),
             FieldKind::Emission => f.write_str("r g b, or another light value"),
             FieldKind::Flag => f.write_str("on or off"),
             FieldKind::Choice(words) => f.write_str(&one_of(words)),
-            FieldKind::ChoiceAndNumber(words) => write!(f, "{}; then a number", one_of(words)),
-            FieldKind::ChoiceAndWhole(words) => write!(f, "{}; then a whole number", one_of(words)),
-            FieldKind::Numbers(count) => write!(f, "{count} numbers"),
-            FieldKind::Wholes(count) => write!(f, "{count} whole numbers"),
+            FieldKind::ChoiceAndNumber(words, range) => write!(f, "{}; then a number{range}", one_of(words)),
+            FieldKind::ChoiceAndWhole(words, range) => {
+                write!(f, "{}; then a whole number{range}", one_of(words))
+            }
+            FieldKind::Numbers(ranges) => write!(f, "{} numbers{}", ranges.len(), of_each(ranges)),
+            FieldKind::Wholes(ranges) => write!(f, "{} whole numbers{}", ranges.len(), of_each(ranges)),
+            FieldKind::Groups(ranges @ [_]) => write!(f, "numbers{}", of_each(ranges)),
+            FieldKind::Groups(ranges) => {
+                write!(f, "numbers in groups of {}{}", ranges.len(), of_each(ranges))
+            }
             FieldKind::File => f.write_str("file"),
             FieldKind::Text => f.write_str("word or text"),
+            FieldKind::Picture => f.write_str("picture"),
             FieldKind::Function => f.write_str("= function of x, y, z"),
             FieldKind::Material => f.write_str("name or number"),
             FieldKind::Integrator => f.write_str("name of an integrator"),
@@ -148,15 +175,63 @@ fn one_of(words: &[&str]) -> String {
     }
 }
 
-/// The bounds of a number behind what it is.
-struct Range {
-    min: f64,
-    max: f64,
+/// The ranges of some numbers behind what they are: once where they are alike.
+fn of_each(ranges: &[NumberRange]) -> String {
+    match ranges {
+        [first, rest @ ..] if rest.iter().all(|range| range == first) => first.to_string(),
+        _ => {
+            let each = ranges.iter().map(|range| match *range {
+                NumberRange::ANY => "any".to_owned(),
+                range => range.to_string().trim_start().to_owned(),
+            });
+            format!(": {}", each.collect::<Vec<_>>().join(", "))
+        }
+    }
 }
 
-impl fmt::Display for Range {
+/// What a number may be; `f64::MIN` and `f64::MAX` stand for no bound, and a least of `f64::MIN_POSITIVE` for above zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberRange {
+    /// The least.
+    pub min: f64,
+    /// The most.
+    pub max: f64,
+}
+
+impl NumberRange {
+    /// Any number.
+    pub const ANY: NumberRange = NumberRange { min: f64::MIN, max: f64::MAX };
+    /// A number that is not negative.
+    pub const NOT_NEGATIVE: NumberRange = NumberRange { min: 0.0, max: f64::MAX };
+    /// A number above zero.
+    pub const POSITIVE: NumberRange = NumberRange { min: f64::MIN_POSITIVE, max: f64::MAX };
+    /// A part of a whole.
+    pub const SHARE: NumberRange = NumberRange { min: 0.0, max: 1.0 };
+
+    /// Its bounds.
+    pub fn bounds(self) -> (Bound<f64>, Bound<f64>) {
+        let low = match self.min {
+            f64::MIN => Bound::Unbounded,
+            f64::MIN_POSITIVE => Bound::Excluded(0.0),
+            min => Bound::Included(min),
+        };
+        (low, if self.max == f64::MAX { Bound::Unbounded } else { Bound::Included(self.max) })
+    }
+
+    /// The whole numbers within it.
+    pub fn wholes(self) -> RangeInclusive<i64> {
+        self.min.ceil() as i64..=self.max as i64
+    }
+
+    /// Whether it has a number.
+    pub fn contains(self, number: f64) -> bool {
+        self.bounds().contains(&number)
+    }
+}
+
+impl fmt::Display for NumberRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Range { min, max } = *self;
+        let NumberRange { min, max } = *self;
         match (min == f64::MIN, max == f64::MAX) {
             (true, true) => Ok(()),
             (false, true) if min == f64::MIN_POSITIVE => f.write_str(" > 0"),
@@ -226,8 +301,8 @@ pub struct FieldSpec {
     pub key: &'static str,
     /// The type of its value.
     pub kind: FieldKind,
-    /// Whether a texture may stand in place of its value.
-    pub texture: bool,
+    /// Where a texture may stand in place of its value: what may be written in the block behind that.
+    pub texture: Option<&'static Block>,
     /// What its numbers count; empty where that is no unit.
     pub unit: &'static str,
     /// What holds while it is absent.
@@ -240,6 +315,8 @@ pub struct FieldSpec {
     pub same_as: Option<&'static str>,
     /// A field that is an error without this one, and this one without it: both are set, and taken out, together.
     pub pair: Option<&'static str>,
+    /// Whether there may be any number of it, in an order that counts.
+    pub repeats: bool,
     /// What it says, in a few words.
     pub about: &'static str,
 }
@@ -250,20 +327,21 @@ impl FieldSpec {
         FieldSpec {
             key,
             kind,
-            texture: false,
+            texture: None,
             unit: "",
             absent: Absent::Required,
             needs: None,
             excludes: &[],
             same_as: None,
             pair: None,
+            repeats: false,
             about: "",
         }
     }
 
-    /// The same for a field that may be a texture.
-    pub const fn or_texture(self) -> FieldSpec {
-        FieldSpec { texture: true, ..self }
+    /// The same for a field that may be a texture, behind whose name `block` says more.
+    pub const fn or_texture(self, block: &'static Block) -> FieldSpec {
+        FieldSpec { texture: Some(block), ..self }
     }
 
     /// The same for a field that says nothing, or is an error, where `key` is not written.
@@ -294,7 +372,7 @@ impl FieldSpec {
     /// What may be written, with its range and its unit, for people.
     pub fn values(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(", {}", self.unit) };
-        let texture = if self.texture { ", or a texture" } else { "" };
+        let texture = if self.texture.is_some() { ", or a texture" } else { "" };
         format!("{}{unit}{texture}", self.kind)
     }
 

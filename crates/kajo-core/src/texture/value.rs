@@ -14,7 +14,7 @@ pub struct TextureEvaluator<'a> {
     pub at: &'a TextureContext,
 }
 
-/// A number in [0, 1].
+/// A number: a share in [0, 1] where the parameter is one, or an exponent, a length or an index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FloatTexture {
     /// The same everywhere.
@@ -90,8 +90,8 @@ impl FloatTexture {
         }
     }
 
-    /// The least and the largest number that it may be anywhere.
-    pub fn range(self) -> [f32; 2] {
+    /// The least and the largest number that it may be anywhere where it is a share: a node may be anything from 0 to 1.
+    pub fn share_range(self) -> [f32; 2] {
         match self {
             FloatTexture::Constant(value) => [value; 2],
             FloatTexture::Node(_) => [0.0, 1.0],

@@ -42,6 +42,7 @@ fn scene_with(block: &Block, text: &str) -> String {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Curves {{ {text} }} }}")
         }
         Kind::Part => format!("{camera} Background {{ {text} }}"),
+        Kind::Picture => unreachable!("has no word of its own"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
         Kind::Medium => format!("{camera} Textures {{ Cells known {{ }} }} Media {{ {text} }}"),
         Kind::Texture => format!("{camera} Textures {{ Cells known {{ }} {text} }}"),
@@ -86,11 +87,12 @@ fn needed(block: &Block) -> String {
             }
             FieldKind::Point | FieldKind::Vector if ["edge1", "vertex1"].contains(&field.key) => "1 0 0",
             FieldKind::Point | FieldKind::Vector => "0 1 0",
-            FieldKind::Color | FieldKind::Emission => "0.5 0.25 0.125",
+            FieldKind::Color(_) | FieldKind::Emission => "0.5 0.25 0.125",
             FieldKind::Material => "0",
-            FieldKind::Numbers(12) if field.key == "row0" => "0 0 0  1 0 0  2 0 0  3 0 1",
-            FieldKind::Numbers(12) => "0 1 0  1 1 1  2 1 0  3 1 0",
-            FieldKind::Numbers(count) => return format!("{} {}", field.key, "1 ".repeat(count)),
+            FieldKind::Numbers(_) if field.key == "row0" => "0 0 0  1 0 0  2 0 0  3 0 1",
+            FieldKind::Numbers(ranges) if ranges.len() == 12 => "0 1 0  1 1 1  2 1 0  3 1 0",
+            FieldKind::Numbers(ranges) => return format!("{} {}", field.key, "1 ".repeat(ranges.len())),
+            FieldKind::Groups([_, _, _]) => "0 0 0  1 0 0  1 1 0",
             FieldKind::File => "heights.pfm",
             _ => "30",
         };
@@ -127,6 +129,8 @@ fn needed(block: &Block) -> String {
         _ if block.keyword == "DistanceGrid" => needed + "size 2 2 2  values -1 1 1 1 1 1 1 1 ",
         _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "Curves" => needed + "strand { points 0 0 0  1 0 0  1 1 0 } ",
+        _ if ["outline", "profile"].contains(&block.keyword) => needed + "line 0 0  1 0  0 1 ",
+        _ if block.keyword == "path" => needed + "line 0 0 0 1  1 0 0 1 ",
         _ => needed,
     }
 }
@@ -141,35 +145,16 @@ fn known_to_compiler(block: &Block) -> BTreeSet<String> {
 
 #[test]
 fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
-    for block in
-        blocks().filter(|b| b.fields().next().is_some() && b.kind != Kind::Transform && b.keyword != "key")
-    {
-        let here: BTreeSet<String> = block.fields().map(|field| field.key.to_owned()).collect();
-        // Blocks within are nodes of their own.
+    // Operations may be many, and what is said behind a picture is known by key.
+    let is_order = |block: &Block| block.kind == Kind::Transform || block.keyword == "key";
+    for block in blocks().filter(|b| b.fields().next().is_some() && !is_order(b) && b.kind != Kind::Picture) {
+        let mut here: BTreeSet<String> = block.fields().map(|field| field.key.to_owned()).collect();
+        here.extend(block.parts.iter().map(|part| part.keyword.to_owned()));
         let mut there = known_to_compiler(block);
-        let within = [
-            "sky",
-            "Transform",
-            "Motion",
-            "Noise",
-            "sphere",
-            "cylinder",
-            "plane",
-            "outline",
-            "profile",
-            "path",
-            "strand",
-        ];
-        there.retain(|key| !within.contains(&&**key));
-        let within = ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder", "outline"];
-        let is_block = |key: &str| {
-            within.contains(&key) || blocks().any(|other| other.keyword == key && other.kind == Kind::Medium)
-        };
-        there.retain(|key| !is_block(key));
-        // What holds objects may hold any.
+        // Members of its family, and objects.
+        there.retain(|word| !blocks().any(|other| other.keyword == word && block.lists(other)));
         if block.kind == Kind::Group {
-            there.retain(|key| !["MaterialIndex", "numObjects"].contains(&&**key));
-            there.retain(|key| blocks().all(|other| other.keyword != key));
+            there.remove("MaterialIndex");
         }
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {
@@ -184,6 +169,54 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
         }
         assert_eq!(here, there, "{}", block.keyword);
     }
+}
+
+/// What may be said behind each kind of picture, by the key that it is for.
+fn picture_blocks() -> impl Iterator<Item = (&'static str, &'static Block)> {
+    let matte = blocks().find(|block| block.keyword == "Matte").unwrap();
+    matte.fields().filter_map(|field| Some((field.key, field.texture?)))
+}
+
+#[test]
+fn every_key_behind_a_picture_is_in_the_tables_and_no_other() {
+    let all: BTreeSet<&str> =
+        blocks().find(|b| b.kind == Kind::Picture).unwrap().fields().map(|field| field.key).collect();
+    let mut met = BTreeSet::new();
+    for (key, block) in picture_blocks() {
+        let matte = blocks().find(|block| block.keyword == "Matte").unwrap();
+        let text = format!("Matte {{ {key} heights.pfm {{ zzzzzzzzqqqqqqqq 1 }} }}");
+        let said = messages(&scene_with(matte, &text));
+        let said = said.into_iter().find(|m| m.contains("unknown word `zzzzzzzz")).expect(key);
+        let there: BTreeSet<&str> =
+            said.split('/').next_back().unwrap().split('`').skip(1).step_by(2).collect();
+        let here: BTreeSet<&str> = block.fields().map(|field| field.key).collect();
+        assert_eq!(here, there, "{key}");
+        met.extend(here);
+    }
+    assert_eq!(met, all, "the table of all pictures");
+}
+
+/// The keys behind a picture are absent, one after the other, or have the value that is said to hold then.
+#[test]
+fn defaults_behind_a_picture_are_what_the_compiler_takes() {
+    let folder = folder();
+    let matte = blocks().find(|block| block.keyword == "Matte").unwrap();
+    let mut same = 0;
+    for (key, block) in picture_blocks() {
+        let with = |more: &str| {
+            let material = format!("Matte {{ {key} heights.pfm {{ {more} }} }}");
+            document(folder.path(), &scene_with(matte, &material))
+        };
+        let absent = made(&with("")).unwrap_or_else(|| panic!("{}", with("").report(false)));
+        for field in block.fields().filter(|field| field.needs.is_none() && field.key != "range") {
+            let Absent::Value(constant) = field.absent else { continue };
+            let written = with(&format!("{} {}", field.key, FieldValue::from(constant).text()));
+            let made = made(&written).unwrap_or_else(|| panic!("{}", written.report(false)));
+            assert!(made == absent, "{key}: {}", field.key);
+            same += 1;
+        }
+    }
+    assert!(same > 30, "{same}");
 }
 
 #[test]
@@ -327,7 +360,7 @@ fn defaults_are_what_the_compiler_takes() {
         let is_order = matches!(block.kind, Kind::Transform | Kind::Instance);
         // These would need whole files of other formats.
         let needs_file = ["BTF", "Measured", "Model", "Text"].contains(&block.keyword);
-        block.fields().next().is_some() && !is_order && !needs_file
+        block.fields().next().is_some() && !is_order && !needs_file && block.kind != Kind::Picture
     });
     for (block, dialect) in all.flat_map(|block| Dialect::NAMES.map(|dialect| (block, dialect))) {
         for body in variants(block) {
@@ -342,7 +375,9 @@ fn defaults_are_what_the_compiler_takes() {
             let absent = made(&plain).unwrap_or_else(|| panic!("{}", plain.report(false)));
             let mut nodes = plain.outline().nodes().iter().filter(|node| &*node.keyword == block.keyword);
             let node = if block.keyword == "key" { nodes.next() } else { nodes.next_back() }.unwrap().id;
-            for field in plain.fields(node).into_iter().filter(|field| field.span.is_none()) {
+            // A count that agrees changes nothing.
+            let is_meant = |field: &Field| field.span.is_none() && field.kind != FieldKind::Count;
+            for field in plain.fields(node).into_iter().filter(is_meant) {
                 let with = |value: &str| document(folder.path(), &text(&format!("{} {value}", field.key)));
                 let place = || format!("{} {{ {body} }}: {}", block.keyword, field.key);
                 let Some(value) = &field.value else {

@@ -5,8 +5,7 @@ use kajo_math::{DAffine3, DVec3};
 use super::{Eye, Handle, HandleKind, Meaning, Track};
 use crate::reshape::ROWS;
 use crate::{Document, FieldKind, FieldSpec, Kind, NodeId};
-use kajo::language::block_of;
-use kajo_core::schema::Absent;
+use kajo_core::schema::{Absent, Block};
 
 /// Length of a direction's handle, in pixels.
 const REACH: f64 = 90.0;
@@ -33,10 +32,10 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "Lathe") => gather.lathe(),
         (Kind::Shape, "Curves") => gather.strands(),
         (Kind::Part, "strand") => gather.strand(),
-        (Kind::Part, keyword @ ("sphere" | "cylinder" | "plane")) => gather.by_fields(keyword),
+        (Kind::Part, "sphere" | "cylinder" | "plane") => gather.by_fields(found.block),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
-        (Kind::Shape, keyword) => gather.by_fields(keyword),
+        (Kind::Shape, _) => gather.by_fields(found.block),
         (Kind::Light, _) => gather.light(),
         (Kind::Camera, _) => gather.camera(),
         _ => None,
@@ -112,8 +111,8 @@ impl Gather<'_> {
 
     /// Those of a shape that is told by points, directions and lengths: lengths are those from the first point, across the
     /// first direction if there is one.
-    fn by_fields(&mut self, keyword: &str) -> Option<()> {
-        let fields: Vec<&'static FieldSpec> = block_of(keyword)?.fields().collect();
+    fn by_fields(&mut self, block: Option<&Block>) -> Option<()> {
+        let fields: Vec<&'static FieldSpec> = block?.fields().collect();
         let of = |kind: FieldKind| fields.iter().filter(move |field| field.kind == kind);
         let mut first = None;
         for field in of(FieldKind::Point) {

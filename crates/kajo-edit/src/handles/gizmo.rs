@@ -4,7 +4,6 @@ use kajo_math::{DMat3, DQuat, DVec2, DVec3};
 
 use super::{Eye, Handle, HandleKind, Meaning, Track};
 use crate::{Document, FieldKind, Kind, NodeId};
-use kajo::language::block_of;
 
 /// Length of an arrow, in pixels.
 const ARM: f64 = 80.0;
@@ -61,8 +60,8 @@ pub fn pivot_of(document: &Document, node: NodeId) -> Option<DVec3> {
             let offset = document.value(node, "offset")?.numbers.first().copied()?;
             Some(value("normal")?.try_normalize()? * offset)
         }
-        (Kind::Shape, keyword) => {
-            let fields = block_of(keyword).into_iter().flat_map(|block| block.fields());
+        (Kind::Shape, _) => {
+            let fields = found.block.into_iter().flat_map(|block| block.fields());
             let points: Vec<&str> =
                 fields.filter(|field| field.kind == FieldKind::Point).map(|field| field.key).collect();
             Some(value("center").or_else(|| middle(&points)).unwrap_or(DVec3::ZERO))

@@ -82,6 +82,7 @@ impl Tree {
                 | FieldKind::Choice(_)
                 | FieldKind::File
                 | FieldKind::Text
+                | FieldKind::Picture
                 | FieldKind::Function
                 | FieldKind::Material
                 | FieldKind::Integrator,
@@ -282,7 +283,7 @@ impl Tree {
             return Err(EditRefused::new(why));
         }
         let mode = match kind_of_field(node, key) {
-            Some(FieldKind::Whole { .. } | FieldKind::Wholes(_) | FieldKind::ChoiceAndWhole(_)) => "step ",
+            Some(FieldKind::Whole { .. } | FieldKind::Wholes(_) | FieldKind::ChoiceAndWhole(..)) => "step ",
             _ => "",
         };
         let Some(item) = item else {
@@ -537,7 +538,7 @@ impl Tree {
 }
 
 fn kind_of_field(node: &Node, key: &str) -> Option<FieldKind> {
-    fields_of(&node.keyword).find(|spec| spec.key == key).map(|spec| spec.kind)
+    fields_of(node).find(|spec| spec.key == key).map(|spec| spec.kind)
 }
 
 /// A `Motion` has two keys at least, and a value one.

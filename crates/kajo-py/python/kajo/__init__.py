@@ -14,7 +14,7 @@ from . import blocks as _blocks
 from ._arrays import ArrayFile, mesh_file, picture_file
 from ._document import Document, Node, edit
 from ._image import Image
-from ._items import Blackbody, Block, Function, Item, LightSource, Picture, Raw, Spectrum
+from ._items import Blackbody, Block, Function, Item, LightSource, Raw, Spectrum
 from ._measures import Comparison, TestRow, compare, selftest
 from ._native import (
     LAYERS,
@@ -42,7 +42,6 @@ __all__ = [
     "KajoError",
     "LightSource",
     "Node",
-    "Picture",
     "Raw",
     "RenderError",
     "Scene",

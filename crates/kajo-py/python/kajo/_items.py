@@ -22,11 +22,14 @@ if TYPE_CHECKING:
     Vector = Sequence[Number] | Array
     """Some numbers: of a place or a direction three, of a colour linear red, green and blue."""
 
-    Texture: TypeAlias = "str | os.PathLike[str] | Picture | Function | TextureBlock | Raw"
+    Texture: TypeAlias = "str | os.PathLike[str] | PictureValue | Function | TextureBlock | Raw"
     """What differs from place to place: a picture or a function of the place."""
 
     File = str | os.PathLike[str] | ArrayFile
     """The name of a file, or arrays in place of one."""
+
+    PictureFile: TypeAlias = "str | os.PathLike[str] | ArrayFile | npt.NDArray[Any]"
+    """The name of the file of a picture, or an array in place of one."""
 
     Reflectance: TypeAlias = "Vector | str | Spectrum | Raw"
     """The colour of a surface: linear RGB, a spectrum, or the name of a file that holds one."""
@@ -138,38 +141,12 @@ class LightSource(_Value):
         return f"{quoted(self.name)} {number_text(self.factor)}"
 
 
-class Picture(_Value):
-    """A picture on a surface.
+class PictureValue(_Value):
+    """The name of a picture, and what is said behind it; its keys are those of `Picture`."""
 
-    Args:
-        source: the name of its file, or an array of height x width x channels, see `kajo.picture_file`.
-        repeat: how often it fits into the unit square, one number or two.
-        offset: moves it by so much of itself to the left and down.
-        wrap: what is beside it: repeat, mirror, clamp, black or once.
-        filter: what stands for many of its texels: bilinear, nearest, bicubic, trilinear, sat, ewa, feline, stochastic.
-        encoding: what its numbers mean: srgb or linear.
-        channel: of numbers: red, green, blue or alpha.
-        range: of numbers: what black and white stand for.
-        cutoff: of opacity: the surface is there where the picture is this much or more.
-        light: of emission: radiance where the picture is white.
-        factor: of emission: a factor.
-    """
+    keys: ClassVar[dict[str, str]] = {}
 
-    def __init__(
-        self,
-        source: File | npt.NDArray[Any],
-        *,
-        repeat: Number | Vector | None = None,
-        offset: Vector | None = None,
-        wrap: str | None = None,
-        filter: str | None = None,
-        encoding: str | None = None,
-        channel: str | None = None,
-        range: Vector | None = None,
-        cutoff: Number | None = None,
-        light: Emission | None = None,
-        factor: Number | None = None,
-    ) -> None:
+    def __init__(self, source: PictureFile, factor: Number | None) -> None:
         self.source: File
         if isinstance(source, (str, os.PathLike)) or hasattr(source, "_parts"):
             self.source = source  # type: ignore[assignment]
@@ -177,23 +154,14 @@ class Picture(_Value):
             from ._arrays import picture_file
 
             self.source = picture_file(source)
-        self.repeat = repeat
-        self.offset = offset
-        self.wrap = wrap
-        self.filter = filter
-        self.encoding = encoding
-        self.channel = channel
-        self.range = range
-        self.cutoff = cutoff
-        self.light = light
         self.factor = factor
 
     def _text(self, writer: Writer) -> str:
         words = [writer.file(self.source)]
         if self.factor is not None:
             words.append(number_text(self.factor))
-        keys = ["repeat", "offset", "wrap", "filter", "encoding", "channel", "range", "cutoff", "light"]
-        items = [f"{key} {writer.value(getattr(self, key))}" for key in keys if getattr(self, key) is not None]
+        said = {key: getattr(self, name) for name, key in self.keys.items()}
+        items = [f"{key} {writer.value(value)}" for key, value in said.items() if value is not None]
         if items:
             words.append("{ " + "  ".join(items) + " }")
         return " ".join(words)

@@ -195,7 +195,12 @@ fn value_of_row(ui: &mut Ui, field: &Field, label: Id) -> Option<FieldValue> {
     }
     let is_typed = matches!(
         field.kind,
-        FieldKind::File | FieldKind::Text | FieldKind::Function | FieldKind::Material | FieldKind::Integrator
+        FieldKind::File
+            | FieldKind::Text
+            | FieldKind::Picture
+            | FieldKind::Function
+            | FieldKind::Material
+            | FieldKind::Integrator
     );
     match &field.value {
         Some(value) => editor(ui, field.kind, value, "", label),
@@ -222,15 +227,11 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
         FieldKind::Number { .. } if value.word.is_none() => {
             numbers(ui, value, label, value.numbers.len(), false)
         }
-        FieldKind::Whole { min, max } => {
-            let mut v = value.numbers.first().copied().unwrap_or(0.0);
-            let drag = DragValue::new(&mut v).range(min..=max).clamp_existing_to_range(false);
-            let drag = drag.speed(0.1).fixed_decimals(0);
-            ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([v.round()]))
-        }
+        FieldKind::Whole { min, max } => whole(ui, value, label, min, max),
+        FieldKind::Count => whole(ui, value, label, 0.0, f64::from(u32::MAX)),
         FieldKind::Angle { min, max } => angle(ui, value, label, min, max),
         FieldKind::Point | FieldKind::Vector if value.word.is_none() => numbers(ui, value, label, 3, false),
-        FieldKind::Color => color(ui, value, label),
+        FieldKind::Color(_) => color(ui, value, label),
         FieldKind::Reflectance | FieldKind::Emission if value.word.is_none() => color(ui, value, label),
         FieldKind::Flag => {
             let mut on = value.word.as_deref() == Some("on");
@@ -239,18 +240,24 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
             response.labelled_by(label).changed().then(|| FieldValue::flag(on))
         }
         FieldKind::Choice(words) => words_choice(ui, value, label, words),
-        FieldKind::ChoiceAndNumber(words) | FieldKind::ChoiceAndWhole(words) => {
-            let is_whole = matches!(kind, FieldKind::ChoiceAndWhole(_));
+        FieldKind::ChoiceAndNumber(words, _) | FieldKind::ChoiceAndWhole(words, _) => {
+            let is_whole = matches!(kind, FieldKind::ChoiceAndWhole(..));
             let word = words_choice(ui, value, label, words)
                 .map(|new| FieldValue { numbers: value.numbers.clone(), ..new });
             let number =
                 (!value.numbers.is_empty()).then(|| numbers(ui, value, label, 1, is_whole)).flatten();
             word.or(number.map(|new| FieldValue { word: value.word.clone(), ..new }))
         }
-        FieldKind::Numbers(count) => numbers(ui, value, label, count.max(value.numbers.len()), false),
-        FieldKind::Wholes(count) => numbers(ui, value, label, count, true),
+        FieldKind::Numbers(ranges) => numbers(ui, value, label, ranges.len().max(value.numbers.len()), false),
+        // As long as they can be seen beside each other.
+        FieldKind::Groups(_) if value.word.is_none() && (1..=16).contains(&value.numbers.len()) => {
+            numbers(ui, value, label, value.numbers.len(), false)
+        }
+        FieldKind::Wholes(ranges) => numbers(ui, value, label, ranges.len(), true),
         FieldKind::File
         | FieldKind::Text
+        | FieldKind::Picture
+        | FieldKind::Groups(_)
         | FieldKind::Function
         | FieldKind::Number { .. }
         | FieldKind::Point
@@ -260,6 +267,13 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
         | FieldKind::Reflectance
         | FieldKind::Emission => text(ui, value, hint, label),
     }
+}
+
+fn whole(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Option<FieldValue> {
+    let mut v = value.numbers.first().copied().unwrap_or(0.0);
+    let drag = DragValue::new(&mut v).range(min..=max).clamp_existing_to_range(false);
+    let drag = drag.speed(0.1).fixed_decimals(0);
+    ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([v.round()]))
 }
 
 fn number(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Option<FieldValue> {

@@ -14,7 +14,7 @@ use super::{Absent, Block, FieldKind, FieldSpec, FieldValue, Kind, blocks};
 const WIDTH: usize = 100;
 
 /// What every file imports that is there when it runs.
-const CLASSES: [&str; 11] = [
+const CLASSES: [&str; 12] = [
     "Block",
     "CameraBlock",
     "Function",
@@ -25,18 +25,28 @@ const CLASSES: [&str; 11] = [
     "ObjectBlock",
     "Operation",
     "PartBlock",
+    "PictureValue",
     "TextureBlock",
 ];
 
 /// Types that are there for checkers alone.
-const TYPES: [&str; 8] =
-    ["Emission", "File", "MaterialName", "MediumName", "Number", "Reflectance", "Texture", "Vector"];
+const TYPES: [&str; 9] = [
+    "Emission",
+    "File",
+    "MaterialName",
+    "MediumName",
+    "Number",
+    "PictureFile",
+    "Reflectance",
+    "Texture",
+    "Vector",
+];
 
 /// Whether a block is for a file.
 type Belongs = fn(&Block) -> bool;
 
 /// Files of the package, what is in each, and blocks of which kinds. Shapes come in two: those told by a few numbers, and all others.
-const FILES: [(&str, &str, Belongs); 9] = [
+const FILES: [(&str, &str, Belongs); 10] = [
     ("cameras", "Cameras", |block| block.kind == Kind::Camera),
     ("light", "Lights and media", |block| matches!(block.kind, Kind::Light | Kind::Medium)),
     ("materials", "Materials", |block| block.kind == Kind::Material),
@@ -48,6 +58,7 @@ const FILES: [(&str, &str, Belongs); 9] = [
     }),
     ("patterns_a", "Patterns, A to M", |block| is_pattern(block) && block.keyword < "N"),
     ("patterns_n", "Patterns, N to Z", |block| is_pattern(block) && block.keyword >= "N"),
+    ("picture", "Pictures on surfaces", |block| block.kind == Kind::Picture),
     ("primitives", "Shapes that a few numbers tell", is_primitive),
     ("textures", "Textures that are made of others", |block| {
         block.kind == Kind::Texture && !is_pattern(block)
@@ -121,6 +132,7 @@ fn base_of(kind: Kind) -> &'static str {
         Kind::Group | Kind::Define | Kind::Transform | Kind::Instance | Kind::Shape => "ObjectBlock",
         Kind::Texture => "TextureBlock",
         Kind::Part => "PartBlock",
+        Kind::Picture => "PictureValue",
         Kind::Settings
         | Kind::Animation
         | Kind::Background
@@ -141,30 +153,30 @@ fn literal(words: &[&str]) -> String {
 fn type_of(field: &FieldSpec) -> String {
     let plain = match field.kind {
         FieldKind::Number { .. } | FieldKind::Angle { .. } => "Number".to_owned(),
-        FieldKind::Whole { .. } => "int".to_owned(),
+        FieldKind::Whole { .. } | FieldKind::Count => "int".to_owned(),
         // A camera may look at an object, by its name.
         FieldKind::Point if field.key == "target" => "Vector | str".to_owned(),
-        FieldKind::Point | FieldKind::Vector | FieldKind::Color => "Vector".to_owned(),
+        FieldKind::Point | FieldKind::Vector | FieldKind::Color(_) => "Vector".to_owned(),
         FieldKind::Reflectance => "Reflectance".to_owned(),
         FieldKind::Emission => "Emission".to_owned(),
         FieldKind::Flag => "bool".to_owned(),
         FieldKind::Choice(words) => literal(words),
-        FieldKind::ChoiceAndNumber(words) => {
+        FieldKind::ChoiceAndNumber(words, _) => {
             format!("{0} | tuple[{0}, Number]", literal(words))
         }
-        FieldKind::ChoiceAndWhole(words) => format!("{0} | tuple[{0}, int]", literal(words)),
-        FieldKind::Numbers(_) => "Number | Vector".to_owned(),
+        FieldKind::ChoiceAndWhole(words, _) => format!("{0} | tuple[{0}, int]", literal(words)),
+        FieldKind::Numbers(_) | FieldKind::Groups(_) => "Number | Vector".to_owned(),
         FieldKind::Wholes(_) => "int | Sequence[int]".to_owned(),
         FieldKind::File => "File".to_owned(),
         // What a texture is made of.
-        FieldKind::Text if field.texture => "Number | Vector".to_owned(),
-        FieldKind::Text if ["texture", "normalMap", "bump"].contains(&field.key) => "Texture".to_owned(),
+        FieldKind::Text if field.texture.is_some() => "Number | Vector".to_owned(),
         FieldKind::Text if ["medium", "exterior"].contains(&field.key) => "MediumName".to_owned(),
         FieldKind::Text | FieldKind::Integrator => "str".to_owned(),
         FieldKind::Function => "Function | str | Number".to_owned(),
         FieldKind::Material => "MaterialName".to_owned(),
+        FieldKind::Picture => return "Texture".to_owned(),
     };
-    if field.texture { plain + " | Texture" } else { plain }
+    if field.texture.is_some() { plain + " | Texture" } else { plain }
 }
 
 /// A field, and whether it stands there several times, as the two materials of a `Mix` do.
@@ -173,8 +185,7 @@ fn fields_of(block: &Block) -> Vec<(&'static FieldSpec, bool)> {
     for field in block.fields().filter(|field| field.same_as.is_none() && !is_operation(field)) {
         match fields.last_mut().filter(|(last, _)| last.key == field.key) {
             Some((_, several)) => *several = true,
-            // There may be any number of stops.
-            None => fields.push((field, field.key == "stop")),
+            None => fields.push((field, field.repeats)),
         }
     }
     fields
@@ -278,6 +289,30 @@ fn class(block: &Block) -> String {
     out
 }
 
+/// The class of what is said behind the name of a picture, which is the value of a key.
+fn picture(block: &Block) -> String {
+    let fields = fields_of(block);
+    let mut out = format!("\n\nclass {}(PictureValue):\n", class_of(block));
+    out.push_str("    \"\"\"A picture on a surface.\n\n    Args:\n");
+    out.push_str("        source: the name of its file, or an array of height x width x channels, see `kajo.picture_file`.\n");
+    fields.iter().for_each(|(field, _)| _ = writeln!(out, "        {}", document("PictureValue", field)));
+    out.push_str(
+        "        factor: Of `emission`: a factor.\n    \"\"\"\n\n    keys: ClassVar[dict[str, str]] = {\n",
+    );
+    for (field, _) in &fields {
+        _ = writeln!(out, "        \"{}\": \"{}\",", snake(field.key), field.key);
+    }
+    out.push_str("    }\n\n    def __init__(\n        self,\n        source: PictureFile,\n        *,\n");
+    for (field, _) in &fields {
+        _ = writeln!(out, "        {}: {} | None = None,", snake(field.key), type_of(field));
+    }
+    out.push_str(
+        "        factor: Number | None = None,\n    ) -> None:\n        super().__init__(source, factor)\n",
+    );
+    fields.iter().for_each(|(field, _)| _ = writeln!(out, "        self.{0} = {0}", snake(field.key)));
+    out
+}
+
 /// The class of an operation of transforms.
 fn operation(field: &FieldSpec) -> String {
     let about = wrapped(
@@ -339,7 +374,8 @@ fn files() -> Vec<(String, String)> {
         let of_file: Vec<&Block> = blocks().filter(|block| belongs(block)).collect();
         let mut text = String::new();
         let mut names: Vec<String> = of_file.iter().map(|block| class_of(block)).collect();
-        of_file.iter().for_each(|block| text.push_str(&class(block)));
+        let write = |block: &Block| if block.kind == Kind::Picture { picture(block) } else { class(block) };
+        of_file.iter().for_each(|block| text.push_str(&write(block)));
         if file == "objects" {
             names.extend(operations().iter().map(|field| field.key.to_owned()));
             operations().iter().for_each(|field| text.push_str(&operation(field)));

@@ -27,6 +27,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "gas that emits on its way around a black hole",
         groups: &[AccretionDiskKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         let holes = compiler.black_holes();

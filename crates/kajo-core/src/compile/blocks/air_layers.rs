@@ -28,6 +28,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "air over hot or cold ground, in which mirages are seen",
         groups: &[LayerKeys::FIELDS, CurveKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {

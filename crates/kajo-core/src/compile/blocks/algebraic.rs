@@ -9,7 +9,7 @@ use kajo_scene::{Args, Diagnostic, Params};
 use super::isosurface::surface;
 use crate::compile::fields::{Keys, Plain, Sources, Typed, flag, keys, point};
 use crate::compile::member::{Member, ObjectMember};
-use crate::schema::{Block, FieldKind, FieldSpec, Kind};
+use crate::schema::{Block, FieldKind, FieldSpec, Kind, NumberRange};
 
 /// The coefficients of a polynomial of degree `D`, in the order of POV-Ray's `poly`: `x^D`, `x^(D-1) y`, `x^(D-1) z`,
 /// `x^(D-1)`, `x^(D-2) y^2`, ..., 1.
@@ -64,7 +64,7 @@ macro_rules! algebraic {
         keys! {
             $keys {
                 coefficients: Coefficients<$degree> =
-                    Typed::<Coefficients<$degree>>::new("coefficients", FieldKind::Numbers(count($degree)))
+                    Typed::<Coefficients<$degree>>::new("coefficients", FieldKind::Numbers(&[NumberRange::ANY; count($degree)]))
                         .required("of the powers of x, y and z, in their order"),
                 min: Vec3 = point("min").or([-1.0; 3], "the corner of its box with the smallest coordinates"),
                 max: Vec3 = point("max").or([1.0; 3], "the corner of its box with the largest coordinates"),
@@ -73,7 +73,13 @@ macro_rules! algebraic {
         }
 
         pub const $member: ObjectMember = Member {
-            block: Block { keyword: $keyword, kind: Kind::Shape, about: $about, groups: &[$keys::FIELDS] },
+            block: Block {
+                keyword: $keyword,
+                kind: Kind::Shape,
+                about: $about,
+                groups: &[$keys::FIELDS],
+                parts: &[],
+            },
             read: |compiler, item, ctm, state| {
                 compiler.solid(item, ctm, state, |params: &mut Params<'_, '_>, sources: &mut Sources<'_>| {
                     let $keys { coefficients, min, max, closed } = $keys::read(params, sources)?;

@@ -3,7 +3,7 @@
 use kajo_scene::{Args, Diagnostic, Params};
 
 use crate::compile::fields::{Keys, Plain, Sources, Typed, keys, positive};
-use crate::schema::{Block, FieldKind, FieldSpec, Kind};
+use crate::schema::{Block, FieldKind, FieldSpec, Kind, NumberRange};
 
 /// The largest number of a frame.
 pub const LAST_FRAME: i64 = 1_000_000_000;
@@ -18,7 +18,7 @@ pub struct FrameRange(pub [i64; 2]);
 keys! {
     AnimationKeys {
         fps: f32 = positive(FPS).unit("1/s").or(24.0, "frames of a second"),
-        frames: Option<FrameRange> = Typed::<FrameRange>::new(FRAMES, FieldKind::Wholes(2))
+        frames: Option<FrameRange> = Typed::<FrameRange>::new(FRAMES, FieldKind::Wholes(&[NumberRange { min: 0.0, max: LAST_FRAME as f64 }; 2]))
             .unlike("from 1 on", "1 240", "the first frame, which is at time 0, and the last one"),
     }
 }
@@ -28,6 +28,7 @@ pub const BLOCK: Block = Block {
     kind: Kind::Animation,
     about: "the frames of a scene that changes with time",
     groups: &[AnimationKeys::FIELDS],
+    parts: &[],
 };
 
 /// Frames of a second, and the first and the last frame where they are said.

@@ -5,7 +5,7 @@ use kajo_scene::{Args, Diagnostic, Params};
 
 use crate::compile::fields::{At, Keys, Plain, Sources, Typed, keys};
 use crate::compile::member::{Member, ObjectMember, reported};
-use crate::schema::{Block, FieldKind, FieldSpec, Kind};
+use crate::schema::{Block, FieldKind, FieldSpec, Kind, NumberRange};
 use crate::shape::BicubicPatch;
 
 /// Four control points.
@@ -20,7 +20,7 @@ impl Plain<'_> for Row {
 }
 
 const fn row(key: &'static str) -> Typed<Row> {
-    Typed::new(key, FieldKind::Numbers(12))
+    Typed::new(key, FieldKind::Numbers(&[NumberRange::ANY; 12]))
 }
 
 keys! {
@@ -38,6 +38,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a Bézier patch of sixteen control points",
         groups: &[BicubicPatchKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

@@ -23,6 +23,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "the surface of straight lines between four corners",
         groups: &[BilinearPatchKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

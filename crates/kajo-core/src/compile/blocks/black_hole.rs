@@ -36,6 +36,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "the curved space around a black hole",
         groups: &[BlackHoleKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.medium(item, read),
 };

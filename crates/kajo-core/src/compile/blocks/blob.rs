@@ -70,6 +70,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "balls, cylinders and half spaces that flow into each other",
         groups: &[BlobKeys::FIELDS],
+        parts: &[&SPHERE, &CYLINDER, &PLANE],
     },
     read: |compiler, item, ctm, state| {
         let text = compiler.read_keys(item, read);
@@ -82,6 +83,7 @@ pub const SPHERE: Block = Block {
     kind: Kind::Part,
     about: "a component of a blob around a point",
     groups: &[SphereKeys::FIELDS],
+    parts: &[],
 };
 
 pub const CYLINDER: Block = Block {
@@ -89,6 +91,7 @@ pub const CYLINDER: Block = Block {
     kind: Kind::Part,
     about: "a component of a blob around a line",
     groups: &[CylinderKeys::FIELDS],
+    parts: &[],
 };
 
 pub const PLANE: Block = Block {
@@ -96,6 +99,7 @@ pub const PLANE: Block = Block {
     kind: Kind::Part,
     about: "a component of a blob that fills the half space behind a plane",
     groups: &[PlaneKeys::FIELDS],
+    parts: &[],
 };
 
 fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<BlobText<'t>> {

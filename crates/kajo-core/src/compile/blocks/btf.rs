@@ -36,6 +36,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "cloth, leather: a texture that depends on view and light",
         groups: &[BtfKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.pooled_from(item, BtfKeys::read, |compiler, keys| {

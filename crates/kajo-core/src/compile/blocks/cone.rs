@@ -37,6 +37,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a cone, pointed or cut off, with or without caps",
         groups: &[ConeKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

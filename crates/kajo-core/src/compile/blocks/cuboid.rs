@@ -21,6 +21,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a box with faces parallel to the axes",
         groups: &[BoxKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

@@ -1,13 +1,16 @@
 //! `Curves`: strands with a width, for hair, grass and wires.
 
-use kajo_scene::{Diagnostic, Item, Params};
+use kajo_math::Vec3;
+use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use crate::compile::Compiler;
 use crate::compile::curves::CurvesRequest;
-use crate::compile::fields::{At, FileName, Keys, Sources, at_least, choice, choices, file, keys};
+use crate::compile::fields::{
+    At, FileName, Keys, Plain, Sources, Typed, at_least, choice, choices, file, keys,
+};
 use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
 use crate::compile::member::{Member, ObjectMember};
-use crate::schema::{Block, Kind};
+use crate::schema::{Block, FieldKind, FieldSpec, Kind, NumberRange};
 use crate::shape::{CurveBasis, CurveForm, Strands};
 
 choices! {
@@ -46,12 +49,46 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "strands with a width: hair, grass, wires",
         groups: &[CurvesKeys::FIELDS],
+        parts: &[&STRAND],
     },
     read: place_curves,
 };
 
-pub const STRAND: Block =
-    Block { keyword: "strand", kind: Kind::Part, about: "one of many curves, by its points", groups: &[] };
+/// The numbers of a strand that are half its width.
+struct Radii(Vec<f32>);
+
+impl Plain<'_> for Radii {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Radii, Diagnostic> {
+        let count = args.numbers_left();
+        (0..count).map(|_| args.number_in(spec.kind.bounds())).collect::<Result<_, _>>().map(Radii)
+    }
+}
+
+/// The points of a strand.
+struct Points(Vec<Vec3>);
+
+impl Plain<'_> for Points {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Points, Diagnostic> {
+        args.points().map(Points)
+    }
+}
+
+keys! {
+    StrandKeys {
+        points: Points = Typed::<Points>::new("points", FieldKind::Groups(&[NumberRange::ANY; 3])).required("where it goes"),
+        radii: Option<Radii> = Typed::<Radii>::new("radii", FieldKind::Groups(&[NumberRange::NOT_NEGATIVE]))
+            .unit("length")
+            .unlike("`radius` of all", "0.01", "half its width: one number, or one for each point"),
+    }
+}
+
+pub const STRAND: Block = Block {
+    keyword: "strand",
+    kind: Kind::Part,
+    about: "one of many curves, by its points",
+    groups: &[StrandKeys::FIELDS],
+    parts: &[],
+};
 
 fn place_curves(
     compiler: &mut Compiler<'_>,
@@ -72,7 +109,8 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Curves
         return None;
     }
     let mut strands = Strands::default();
-    let read: Vec<Option<()>> = items.into_iter().map(|item| strand(item, params, &mut strands)).collect();
+    let read: Vec<Option<()>> =
+        items.into_iter().map(|item| strand(item, params, sources, &mut strands)).collect();
     let CurvesKeys { file, basis, form, radius, tip_radius } = keys?;
     read.into_iter().collect::<Option<()>>()?;
     let file = file.map(|file| (file.value.0, file.item.head_span()));
@@ -80,16 +118,17 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Curves
 }
 
 /// Adds what a block of a strand says.
-fn strand(item: Item<'_>, params: &mut Params<'_, '_>, out: &mut Strands) -> Option<()> {
+fn strand(
+    item: Item<'_>,
+    params: &mut Params<'_, '_>,
+    sources: &mut Sources<'_>,
+    out: &mut Strands,
+) -> Option<()> {
     let mut own = Params::new(item, params.diagnostics());
-    let points = own.required("points", |args| args.points());
-    let radii = own.optional("radii", |args| {
-        let count = args.numbers_left();
-        (0..count).map(|_| args.number_in(0.0..=f64::MAX)).collect::<Result<Vec<f32>, _>>()
-    });
+    let keys = StrandKeys::read(&mut own, sources);
     own.finish();
-    let points = points?;
-    let radii = radii.unwrap_or_default();
+    let StrandKeys { points: Points(points), radii } = keys?;
+    let radii = radii.map(|Radii(radii)| radii).unwrap_or_default();
     if radii.len() > 1 && radii.len() != points.len() {
         let message = format!("{} radii for {} points", radii.len(), points.len());
         let error = Diagnostic::error(message).label(item.head_span(), "in this strand");

@@ -24,6 +24,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a cylinder, with or without caps",
         groups: &[CylinderKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

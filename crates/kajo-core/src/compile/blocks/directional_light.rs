@@ -34,6 +34,7 @@ pub const MEMBER: LightMember = Member {
         kind: Kind::Light,
         about: "parallel light from far away, as of the sun",
         groups: &[DirectionalKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.light(item, read),
 };

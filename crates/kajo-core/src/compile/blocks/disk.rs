@@ -23,6 +23,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a flat disk or ring",
         groups: &[DiskKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

@@ -24,6 +24,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "the surface through numbers on a grid, such as signed distances",
         groups: &[GridKeys::FIELDS, DistanceGridKeys::FIELDS],
+        parts: &[],
     },
     read: place_distance_grid,
 };

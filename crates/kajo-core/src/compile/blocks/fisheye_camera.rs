@@ -9,6 +9,7 @@ use crate::compile::fields::{
     Choice, Defaulted, Field, Given, Keys, Sources, choice, choices, degrees, keys,
 };
 use crate::compile::member::{CameraMember, Member};
+use crate::compile::motion;
 use crate::schema::{Block, FieldSpec, Kind};
 
 choices! {
@@ -55,6 +56,7 @@ pub const MEMBER: CameraMember = Member {
         kind: Kind::Camera,
         about: "half of all directions or more, as a disk",
         groups: &[aim::AimKeys::FIELDS, ShutterKeys::FIELDS, FisheyeKeys::FIELDS, FIT_FIELDS],
+        parts: &[&motion::BLOCK],
     },
     read: CameraReader { other_fits: DiskFit::WORDS, read },
 };

@@ -27,6 +27,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "haze or a cloud by a function of the place",
         groups: &[FunctionKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.medium(item, read),
 };

@@ -53,6 +53,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "a clear or frosted body, or a pane",
         groups: &[GlassKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.pooled(item, read),
 };

@@ -97,6 +97,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "clear matter that bends light, by its index of refraction at every place",
         groups: &[GradientIndexKeys::FIELDS, AbbeKeys::FIELDS, CurveKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {

@@ -51,6 +51,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "a cloud, smoke or fire, given voxel by voxel",
         groups: &[GridKeys::FIELDS, HeatKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         let read = compiler.read_keys(item, |params, sources| {

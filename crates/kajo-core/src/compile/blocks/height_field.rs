@@ -44,6 +44,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "terrain from a picture of heights, or a function",
         groups: &[HeightFieldKeys::FIELDS],
+        parts: &[],
     },
     read: place_height_field,
 };

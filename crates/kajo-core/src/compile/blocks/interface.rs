@@ -20,6 +20,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "the end of smoke or haze, where light goes straight on",
         groups: &[InterfaceKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.pooled(item, |params, sources| {

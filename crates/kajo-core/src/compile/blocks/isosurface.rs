@@ -26,6 +26,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "the surface where a function is zero, in a box",
         groups: &[IsosurfaceKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

@@ -6,7 +6,7 @@ use kajo_scene::{Diagnostic, Item, Params};
 use crate::compile::fields::{Direction, Keys, Sources, choice, direction, keys, point, positive};
 use crate::compile::member::{Member, ObjectMember};
 use crate::compile::paths::{self, Ends};
-use crate::schema::{Block, Kind};
+use crate::schema::{Block, Kind, NumberRange};
 use crate::shape::{FillRule, Lathe, LatheError, Path, Turning};
 
 keys! {
@@ -24,14 +24,20 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a profile, turned about an axis",
         groups: &[LatheKeys::FIELDS],
+        parts: &[&PROFILE],
     },
     read: |compiler, item, ctm, state| {
         compiler.solid(item, ctm, state, |params, sources| read(item, params, sources))
     },
 };
 
-pub const PROFILE: Block =
-    Block { keyword: "profile", kind: Kind::Part, about: "a path that a lathe turns", groups: &[] };
+pub const PROFILE: Block = Block {
+    keyword: "profile",
+    kind: Kind::Part,
+    about: "a path that a lathe turns",
+    groups: &[&paths::fields(&[NumberRange::ANY; 2])],
+    parts: &[],
+};
 
 fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<Lathe> {
     let keys = LatheKeys::read(params, sources);

@@ -22,6 +22,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "matter whose index has a square that grows evenly, in which rays are parabolas",
         groups: &[LinearKeys::FIELDS, AbbeKeys::FIELDS, CurveKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {

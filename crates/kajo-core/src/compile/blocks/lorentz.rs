@@ -2,7 +2,7 @@
 
 use crate::compile::lorentz::LorentzKeys;
 use crate::compile::member::{Member, ObjectMember};
-use crate::compile::operations;
+use crate::compile::{motion, operations};
 use crate::schema::{Block, Kind};
 
 pub const MEMBER: ObjectMember = Member {
@@ -11,6 +11,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Transform,
         about: "objects that move nearly as fast as light, and look it",
         groups: &[LorentzKeys::FIELDS, operations::FIELDS],
+        parts: &[&motion::BLOCK],
     },
     read: |compiler, item, ctm, state| compiler.lorentz(item, ctm, state),
 };

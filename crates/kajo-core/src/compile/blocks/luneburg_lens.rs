@@ -21,6 +21,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "a ball of the index sqrt(2 - (r/R)^2): parallel light meets on its far side",
         groups: &[LuneburgKeys::FIELDS, AbbeKeys::FIELDS, CurveKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {

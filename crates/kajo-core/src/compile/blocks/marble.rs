@@ -3,6 +3,7 @@
 use crate::compile::fields::{Defaulted, Keys, count, keys, number};
 use crate::compile::material_draft::PARTS;
 use crate::compile::member::{MaterialMember, Member};
+use crate::compile::transform;
 use crate::schema::{Block, Kind};
 use crate::texture::Marble;
 
@@ -24,6 +25,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "two materials in veins",
         groups: &[PARTS, VeinKeys::FIELDS],
+        parts: &[&transform::PLACEMENT],
     },
     read: |compiler, item| {
         compiler.blend(item, |params, sources| {

@@ -20,6 +20,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "paper, plaster, chalk: light is scattered to all sides",
         groups: &[MatteKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.pooled(item, |params, sources| {

@@ -22,6 +22,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "matter of the index n0 / (1 + (r/a)^2), in which rays are circles",
         groups: &[FishEyeKeys::FIELDS, AbbeKeys::FIELDS, CurveKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {

@@ -23,6 +23,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "a material whose reflection was measured in a laboratory",
         groups: &[MeasuredKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.pooled_from(item, MeasuredKeys::read, |compiler, keys| {

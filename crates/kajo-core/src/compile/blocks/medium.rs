@@ -8,7 +8,7 @@ use crate::compile::fields::{Keys, Plain, Sources, Typed, at_least, emission, ke
 use crate::compile::member::{MediumMember, Member};
 use crate::medium::{Coefficients, HomogeneousMedium};
 use crate::schema::Kind;
-use crate::schema::{Block, Constant, FieldKind, FieldSpec};
+use crate::schema::{Block, Constant, FieldKind, FieldSpec, NumberRange};
 
 /// Red, green and blue, or one number for all three; not negative.
 #[derive(Clone, Copy)]
@@ -17,7 +17,7 @@ pub struct PerLength([f32; 3]);
 impl Plain<'_> for PerLength {
     fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<PerLength, Diagnostic> {
         let values = one_or_three(args)?;
-        match values.iter().all(|v| v.is_finite() && *v >= 0.0) {
+        match values.iter().all(|v| v.is_finite() && spec.kind.range(0).contains((*v).into())) {
             true => Ok(PerLength(values)),
             false => Err(args.error(format!("`{}` is not negative", spec.key))),
         }
@@ -31,7 +31,7 @@ pub struct Albedo([f32; 3]);
 impl Plain<'_> for Albedo {
     fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Albedo, Diagnostic> {
         let values = one_or_three(args)?;
-        match values.iter().all(|v| (0.0..=1.0).contains(v)) {
+        match values.iter().all(|v| spec.kind.range(0).contains((*v).into())) {
             true => Ok(Albedo(values)),
             false => Err(args.error(format!("`{}` is from 0 to 1", spec.key))),
         }
@@ -45,7 +45,8 @@ pub struct FreePath(pub [f32; 3]);
 impl Plain<'_> for FreePath {
     fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<FreePath, Diagnostic> {
         let values = one_or_three(args)?;
-        match values.iter().all(|v| v.is_finite() && *v > 0.0 && v.recip().is_finite()) {
+        let is_length = |v: f32| v.is_finite() && spec.kind.range(0).contains(v.into());
+        match values.iter().all(|v| is_length(*v) && v.recip().is_finite()) {
             true => Ok(FreePath(values)),
             false => Err(args.error(format!("`{}` is more than 0", spec.key))),
         }
@@ -56,28 +57,30 @@ fn one_or_three(args: &mut Args<'_>) -> Result<[f32; 3], Diagnostic> {
     if args.numbers_left() == 1 { args.number().map(|v| [v; 3]) } else { args.numbers() }
 }
 
+const PER_LENGTH: FieldKind = FieldKind::Color(NumberRange::NOT_NEGATIVE);
+
 const SIGMA_A: &str = "sigma_a";
 const SIGMA_S: &str = "sigma_s";
 
 keys! {
     /// What every medium has.
     CoefficientKeys {
-        sigma_a: Option<PerLength> = Typed::<PerLength>::new(SIGMA_A, FieldKind::Color)
+        sigma_a: Option<PerLength> = Typed::<PerLength>::new(SIGMA_A, PER_LENGTH)
             .unit("1/length")
             .not_beside(&["albedo", "density", "meanFreePath"])
             .unlike("none", "0.1 0.2 0.4", "absorption per length"),
-        sigma_s: Option<PerLength> = Typed::<PerLength>::new(SIGMA_S, FieldKind::Color)
+        sigma_s: Option<PerLength> = Typed::<PerLength>::new(SIGMA_S, PER_LENGTH)
             .unit("1/length")
             .not_beside(&["albedo", "density", "meanFreePath"])
             .unlike("none", "1 1 1", "scattering per length"),
-        albedo: Option<Albedo> = Typed::<Albedo>::new("albedo", FieldKind::Color)
+        albedo: Option<Albedo> = Typed::<Albedo>::new("albedo", FieldKind::Color(NumberRange::SHARE))
             .not_beside(&[SIGMA_A, SIGMA_S])
             .presumed(Constant::Triple([1.0; 3]), "share of light that a collision scatters"),
-        density: Option<PerLength> = Typed::<PerLength>::new("density", FieldKind::Color)
+        density: Option<PerLength> = Typed::<PerLength>::new("density", PER_LENGTH)
             .unit("1/length")
             .not_beside(&[SIGMA_A, SIGMA_S, "meanFreePath"])
             .unlike("by the other keys", "1 1 1", "collisions per length"),
-        mean_free_path: Option<FreePath> = Typed::<FreePath>::new("meanFreePath", FieldKind::Color)
+        mean_free_path: Option<FreePath> = Typed::<FreePath>::new("meanFreePath", FieldKind::Color(NumberRange::POSITIVE))
             .unit("length")
             .not_beside(&[SIGMA_A, SIGMA_S, "density"])
             .unlike("by the other keys", "1 1 1", "mean length between collisions"),
@@ -94,6 +97,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "milk, haze, coloured water: what is the same everywhere",
         groups: &[CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {

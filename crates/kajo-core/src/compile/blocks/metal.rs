@@ -51,6 +51,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "polished, rough or brushed metal",
         groups: &[MetalKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.pooled(item, read),
 };

@@ -3,6 +3,7 @@
 use crate::compile::fields::{Keys, keys, share};
 use crate::compile::material_draft::PARTS;
 use crate::compile::member::{MaterialMember, Member};
+use crate::compile::transform;
 use crate::schema::{Block, Kind};
 use crate::texture::FloatTexture;
 
@@ -18,6 +19,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "two materials in the same proportion everywhere",
         groups: &[PARTS, MixKeys::FIELDS],
+        parts: &[&transform::PLACEMENT],
     },
     read: |compiler, item| {
         compiler

@@ -71,6 +71,7 @@ pub(super) mod wood;
 mod wormhole;
 
 use self::patterns::PATTERNS;
+use super::fields::PICTURE;
 use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, ObjectMember, TextureMember};
 use crate::schema::{Absent, Block, FieldKind, FieldSpec, Kind};
 
@@ -145,11 +146,34 @@ pub(super) const MATERIALS: [&MaterialMember; 15] = [
     &wood::MEMBER,
 ];
 
-pub(super) const LIGHT_LIST: Block =
-    Block { keyword: "Lights", kind: Kind::Lights, about: "the lights of the scene", groups: &[] };
+/// How many members a list or a group says it has.
+const fn member_count(key: &'static str) -> FieldSpec {
+    FieldSpec {
+        absent: Absent::Nothing { means: "as many as there are", start: "1" },
+        about: "how many there are, which is checked",
+        ..FieldSpec::new(key, FieldKind::Count)
+    }
+}
 
-pub(super) const MATERIAL_LIST: Block =
-    Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
+pub(super) const LIGHT_COUNT: FieldSpec = member_count("numLights");
+
+pub(super) const LIGHT_LIST: Block = Block {
+    keyword: "Lights",
+    kind: Kind::Lights,
+    about: "the lights of the scene",
+    groups: &[&[LIGHT_COUNT]],
+    parts: &[],
+};
+
+pub(super) const MATERIAL_COUNT: FieldSpec = member_count("numMaterials");
+
+pub(super) const MATERIAL_LIST: Block = Block {
+    keyword: "Materials",
+    kind: Kind::Materials,
+    about: "the materials of the scene",
+    groups: &[&[MATERIAL_COUNT]],
+    parts: &[],
+};
 
 /// Textures that are made of others.
 const TEXTURE_OPERATIONS: [&TextureMember; 8] = [
@@ -174,8 +198,13 @@ pub(super) const TEXTURES: [&TextureMember; PATTERNS.len() + TEXTURE_OPERATIONS.
     all
 };
 
-pub(super) const TEXTURE_LIST: Block =
-    Block { keyword: "Textures", kind: Kind::Textures, about: "textures that have names", groups: &[] };
+pub(super) const TEXTURE_LIST: Block = Block {
+    keyword: "Textures",
+    kind: Kind::Textures,
+    about: "textures that have names",
+    groups: &[],
+    parts: &[],
+};
 
 /// All kinds of media, in the order in which they are offered.
 pub(super) const MEDIA: [&MediumMember; 12] = [
@@ -205,13 +234,14 @@ pub(super) const MEDIUM_LIST: Block = Block {
     kind: Kind::Media,
     about: "what bodies and the air are filled with",
     groups: &[&[EXTERIOR]],
+    parts: &[],
 };
 
 /// The word that chooses the material of what follows.
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 19] = [
+const OTHERS: [&Block; 20] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &blob::PLANE,
@@ -231,6 +261,7 @@ const OTHERS: [&Block; 19] = [
     &group::DEFINE,
     &super::motion::BLOCK,
     &super::motion::KEY,
+    &PICTURE,
 ];
 
 /// All kinds of blocks.
@@ -249,12 +280,20 @@ pub fn block_of(keyword: &str) -> Option<&'static Block> {
     blocks().find(|block| block.keyword == keyword)
 }
 
+/// The block that an item with this keyword begins within another one; `None` for `parent` outside of all that are known.
+pub fn block_in(parent: Option<&Block>, keyword: &str) -> Option<&'static Block> {
+    let Some(parent) = parent else { return block_of(keyword) };
+    let of_family = || blocks().find(|block| block.keyword == keyword && parent.lists(block));
+    parent.part(keyword).or_else(of_family)
+}
+
 /// The words of all blocks of a kind, in the order in which they are offered.
 pub fn keywords_of(kind: Kind) -> impl Iterator<Item = &'static str> {
     blocks().filter(move |block| block.kind == kind).map(|block| block.keyword)
 }
 
-/// What a block with this keyword is, within a block of kind `parent`.
+/// What a block with this keyword is, within a block of kind `parent`; in the list of a family it is taken for a member
+/// whatever its word, so that numbers of materials stay while one is being typed.
 pub fn kind_of(keyword: &str, parent: Option<Kind>) -> Kind {
     match parent {
         Some(Kind::Lights) => Kind::Light,

@@ -49,6 +49,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a whole glTF model with its materials and lights",
         groups: &[ModelKeys::FIELDS, SubdivisionKeys::FIELDS],
+        parts: &[],
     },
     read: place_model,
 };

@@ -4,6 +4,7 @@ use super::marble::OCTAVES;
 use crate::compile::fields::{Keys, keys};
 use crate::compile::material_draft::PARTS;
 use crate::compile::member::{MaterialMember, Member};
+use crate::compile::transform;
 use crate::schema::{Block, Kind};
 use crate::texture::Noise;
 
@@ -19,6 +20,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "two materials in clouds",
         groups: &[PARTS, NoiseKeys::FIELDS],
+        parts: &[&transform::PLACEMENT],
     },
     read: |compiler, item| {
         compiler.blend(item, |params, sources| {

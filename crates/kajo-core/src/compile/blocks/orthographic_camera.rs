@@ -8,6 +8,7 @@ use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys,
 use crate::compile::fields::{Keys, Sources, keys, number};
 use crate::compile::lens::{LensFields, LensKeys};
 use crate::compile::member::{CameraMember, Member};
+use crate::compile::motion;
 use crate::schema::{Block, Kind};
 
 /// Height of the view of a camera that may stand where it likes.
@@ -31,6 +32,7 @@ pub const MEMBER: CameraMember = Member {
             OrthographicKeys::FIELDS,
             LensFields::FIELDS,
         ],
+        parts: &[&motion::BLOCK],
     },
     read: CameraReader { other_fits: &[], read },
 };

@@ -8,6 +8,7 @@ use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys,
 use crate::compile::fields::{At, Keys, Sources, any_angle, count, keys};
 use crate::compile::lens::{LensFields, LensKeys};
 use crate::compile::member::{CameraMember, Member};
+use crate::compile::motion;
 use crate::schema::{Block, Kind};
 
 /// Angle of view of a camera that may stand where it likes, in degrees.
@@ -42,6 +43,7 @@ pub const MEMBER: CameraMember = Member {
             PerspectiveKeys::FIELDS,
             LensFields::FIELDS,
         ],
+        parts: &[&motion::BLOCK],
     },
     read: CameraReader { other_fits: &[], read },
 };

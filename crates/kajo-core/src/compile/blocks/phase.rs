@@ -7,7 +7,7 @@ use crate::compile::fields::{
 };
 use crate::medium::Phase;
 use crate::medium::phase::{HenyeyGreenstein, MiePhase, PhaseAngle, PhaseTable, parse_phase_pairs};
-use crate::schema::{Constant, FieldKind, FieldSpec};
+use crate::schema::{Constant, FieldKind, FieldSpec, NumberRange};
 
 /// Bytes of the largest file of angles and values.
 const LARGEST_TABLE: u64 = 16 << 20;
@@ -64,7 +64,7 @@ keys! {
             .unit("µm")
             .not_beside(&["phaseTable", "phaseFile"])
             .unlike("20 for `mie`", "20", "mean diameter of the droplets of fog or a cloud"),
-        table: Option<At<'t, PhasePairs>> = Typed::<PhasePairs>::new("phaseTable", FieldKind::Numbers(8))
+        table: Option<At<'t, PhasePairs>> = Typed::<PhasePairs>::new("phaseTable", FieldKind::Groups(&[NumberRange::ANY; 2]))
             .not_beside(&["phaseFile"])
             .placed()
             .unlike("none", "0 4 60 1 120 0.5 180 1", "pairs of the angle by which light is turned and how much is"),

@@ -9,14 +9,15 @@ use crate::bsdf::Phong;
 use crate::compile::Compiler;
 use crate::compile::extras::{ExtraKeys, Extras};
 use crate::compile::fields::{
-    Given, Keys, Sources, Textured, Typed, at_least, color, float_texture, keys, positive, reflectance,
+    COLORS, Given, Keys, Sources, Textured, Typed, at_least, color, float_texture, keys, positive,
+    reflectance,
 };
 use crate::compile::material_draft::Draft;
 use crate::compile::member::{MaterialMember, Member};
 use crate::compile::picture_values::ColorPicture;
 use crate::compile::spectra::Written;
 use crate::material::{Blend, PhongMaterial, PhongTextures};
-use crate::schema::{Around, Block, Constant, FieldKind, FieldValue, Kind};
+use crate::schema::{Absent, Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind};
 use crate::settings::Rules;
 use crate::texture::{FloatTexture, Marble};
 
@@ -27,7 +28,8 @@ keys! {
     PhongKeys<'t> {
         diffuse: Textured<Written<Reflectance>> =
             reflectance("diffuseColor").or_grey(1.0, "colour of matte reflection").or_texture(),
-        texture: Option<ColorPicture> = Typed::<ColorPicture>::new("texture", FieldKind::Text)
+        texture: Option<ColorPicture> = Typed::<ColorPicture>::new("texture", FieldKind::Picture)
+            .textured(&COLORS)
             .option("a picture that tints it, such as wood.png"),
         specular: Textured<Written<Reflectance>> =
             reflectance("specularColor").or_grey(0.0, "colour of the highlight").or_texture(),
@@ -57,7 +59,7 @@ keys! {
     }
 }
 
-const FIELDS: &[&[crate::schema::FieldSpec]] = &[PhongKeys::FIELDS, ExtraKeys::FIELDS];
+const FIELDS: &[&[FieldSpec]] = &[PhongKeys::FIELDS, ExtraKeys::FIELDS];
 
 pub const MEMBER: MaterialMember = Member {
     block: Block {
@@ -65,8 +67,25 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "the classic material: matte, with a highlight, a mirror or clear",
         groups: FIELDS,
+        parts: &[&VEINS],
     },
     read: draft,
+};
+
+/// What the two colours of veins are written by.
+const VEIN_COLOR: FieldSpec = FieldSpec {
+    absent: Absent::Value(Constant::Triple([0.0; 3])),
+    about: "the colours it goes between: black and white unless written",
+    ..FieldSpec::new("color", FieldKind::COLOR)
+};
+
+/// Veins of two colours in place of the diffuse one.
+const VEINS: Block = Block {
+    keyword: "Noise",
+    kind: Kind::Part,
+    about: "veins of two colours in place of the diffuse one",
+    groups: &[&[VEIN_COLOR, VEIN_COLOR], VeinKeys::FIELDS],
+    parts: &[],
 };
 
 /// The same by its other name.
@@ -76,6 +95,7 @@ pub const SHORT: MaterialMember = Member {
         kind: Kind::Material,
         about: "the same as `PhongMaterial`",
         groups: FIELDS,
+        parts: &[&VEINS],
     },
     read: draft,
 };
@@ -115,7 +135,7 @@ fn draft<'t>(compiler: &mut Compiler<'_>, item: Item<'t>) -> Option<Draft<'t>> {
     let (phong, veins, extras) = compiler.read_keys(item, |params, sources| {
         params.name();
         let phong = read(params, sources);
-        let veins = params.block("Noise");
+        let veins = params.block(VEINS.keyword);
         let extras = Extras::read(params, sources);
         Some((phong?, veins, extras?))
     })?;
@@ -186,7 +206,7 @@ impl Compiler<'_> {
     /// A material whose diffuse colour goes from one to another in veins: a `Noise` block within it.
     fn veined(&mut self, item: Item<'_>, phong: &PhongMaterial) -> Option<crate::material::MaterialId> {
         let (colors, veins) = self.read_keys(item, |params, sources| {
-            let colors = params.take(&["color"]);
+            let colors = params.take(&[VEIN_COLOR.key]);
             Some((colors, VeinKeys::read(params, sources)?))
         })?;
         if let Some(third) = colors.get(2) {

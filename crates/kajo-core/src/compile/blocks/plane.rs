@@ -23,6 +23,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a plane without bounds",
         groups: &[PlaneKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

@@ -76,6 +76,7 @@ pub const MEMBER: LightMember = Member {
         kind: Kind::Light,
         about: "light from a point to all sides",
         groups: &[PositionKeys::FIELDS, BrightnessKeys::FIELDS, LuminaireKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| match is_measured(item) {
         true => compiler.light(item, read_photometric),

@@ -9,11 +9,11 @@ use kajo_scene::{Args, Diagnostic, Params};
 use super::isosurface::surface;
 use crate::compile::fields::{Keys, Plain, Sources, Typed, flag, keys, point};
 use crate::compile::member::{Member, ObjectMember};
-use crate::schema::{Block, FieldKind, FieldSpec, Kind};
+use crate::schema::{Block, FieldKind, FieldSpec, Kind, NumberRange};
 use crate::shape::Isosurface;
 
-/// Powers at most.
-const MOST_DEGREE: i64 = 100;
+/// A power.
+const POWER: NumberRange = NumberRange { min: 0.0, max: 100.0 };
 
 /// A coefficient, and the powers of x, y and z that it is for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ impl Plain<'_> for Terms {
             let coefficient = args.double()?;
             let mut powers = [0; 3];
             for power in &mut powers {
-                *power = args.int_in(0..=MOST_DEGREE)? as u32;
+                *power = args.int_in(POWER.wholes())? as u32;
             }
             Ok(Term { coefficient, powers })
         };
@@ -48,7 +48,7 @@ impl Plain<'_> for Terms {
 
 keys! {
     PolynomialKeys {
-        terms: Terms = Typed::<Terms>::new("terms", FieldKind::Numbers(4))
+        terms: Terms = Typed::<Terms>::new("terms", FieldKind::Groups(&[NumberRange::ANY, POWER, POWER, POWER]))
             .required("for each term a coefficient and the powers of x, y and z"),
         min: Vec3 = point("min").or([-1.0; 3], "the corner of its box with the smallest coordinates"),
         max: Vec3 = point("max").or([1.0; 3], "the corner of its box with the largest coordinates"),
@@ -62,6 +62,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "where a polynomial of any degree is zero, in a box",
         groups: &[PolynomialKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| {
         compiler.solid(item, ctm, state, |params, sources| read(params, sources))

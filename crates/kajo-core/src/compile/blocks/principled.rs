@@ -15,7 +15,7 @@ use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, LayeredMaterial, Layers, SpecularLayer, SubsurfaceBody};
 use crate::medium::phase::HenyeyGreenstein;
 use crate::medium::{Coefficients, HomogeneousMedium, Phase};
-use crate::schema::{Block, Constant, FieldKind, Kind};
+use crate::schema::{Block, Constant, FieldKind, Kind, NumberRange};
 use crate::texture::{ColorTexture, FloatTexture};
 
 const SUBSURFACE: &str = "subsurface";
@@ -42,7 +42,7 @@ keys! {
         fuzz_color: ColorTexture = color_texture("fuzzColor").or([1.0; 3], "colour of the fuzz"),
         fuzz_roughness: FloatTexture = share("fuzzRoughness").or(0.5, "of the fuzz"),
         subsurface: FloatTexture = share("subsurface").or(0.0, "from plastic to wax, skin and marble"),
-        subsurface_radius: Option<FreePath> = Typed::<FreePath>::new("subsurfaceRadius", FieldKind::Color)
+        subsurface_radius: Option<FreePath> = Typed::<FreePath>::new("subsurfaceRadius", FieldKind::Color(NumberRange::POSITIVE))
             .unit("length")
             .only_beside(SUBSURFACE)
             .presumed(Constant::Triple([1.0, 0.2, 0.1]), "how far light goes inside between collisions"),
@@ -63,6 +63,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "one material for most things: fuzz over a coat over a base, metal and glass",
         groups: &[PrincipledKeys::FIELDS, ExtraKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.pooled_from(item, read, |compiler, (layers, body)| {
@@ -86,17 +87,17 @@ struct Body {
 /// What is below the surface, where light enters it; `Err` of what was reported.
 fn body(keys: &PrincipledKeys, params: &mut Params<'_, '_>) -> Result<Option<Body>, ()> {
     let share = keys.subsurface;
-    if share.range()[1] <= 0.0 {
+    if share.share_range()[1] <= 0.0 {
         let keys = ["subsurfaceRadius", "subsurfaceScale", "subsurfaceAnisotropy"];
         params.idle(&keys, "without `subsurface`");
         return Ok(None);
     }
-    if keys.metalness.range()[0] >= 1.0 {
+    if keys.metalness.share_range()[0] >= 1.0 {
         let keys = [SUBSURFACE, "subsurfaceRadius", "subsurfaceScale", "subsurfaceAnisotropy"];
         params.idle(&keys, "with `metalness 1`: light does not enter metal");
         return Ok(None);
     }
-    if keys.transmission.range()[1] > 0.0 {
+    if keys.transmission.share_range()[1] > 0.0 {
         params.refuse("transmission", "beside `subsurface`: a body has one inside");
         return Err(());
     }

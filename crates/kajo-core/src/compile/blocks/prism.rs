@@ -8,7 +8,7 @@ use crate::compile::fields::{
 };
 use crate::compile::member::{Member, ObjectMember, reported};
 use crate::compile::paths::{self, Ends};
-use crate::schema::{Block, Kind};
+use crate::schema::{Block, Kind, NumberRange};
 use crate::shape::{Bevel, BevelProfile, FillRule, Path, Prism, Sweep};
 
 choices! {
@@ -69,14 +69,20 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "an outline, drawn out across its plane",
         groups: &[PrismKeys::FIELDS, BevelKeys::FIELDS],
+        parts: &[&OUTLINE],
     },
     read: |compiler, item, ctm, state| {
         compiler.solid(item, ctm, state, |params, sources| read(item, params, sources))
     },
 };
 
-pub const OUTLINE: Block =
-    Block { keyword: "outline", kind: Kind::Part, about: "a closed path around a prism", groups: &[] };
+pub const OUTLINE: Block = Block {
+    keyword: "outline",
+    kind: Kind::Part,
+    about: "a closed path around a prism",
+    groups: &[&paths::fields(&[NumberRange::ANY; 2])],
+    parts: &[],
+};
 
 fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<Prism> {
     let keys = PrismKeys::read(params, sources);

@@ -22,6 +22,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a parallelogram",
         groups: &[QuadKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

@@ -23,6 +23,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "a rod of the index n0 sqrt(1 - (g r)^2), that light winds through like a wave",
         groups: &[RodKeys::FIELDS, AbbeKeys::FIELDS, CurveKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| {
         compiler.medium(item, |params, sources| {

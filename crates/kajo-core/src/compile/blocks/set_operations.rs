@@ -47,7 +47,7 @@ pub const MERGE: ObjectMember = Member {
 };
 
 const fn block(keyword: &'static str, about: &'static str, groups: &'static [&'static [FieldSpec]]) -> Block {
-    Block { keyword, kind: Kind::Group, about, groups }
+    Block { keyword, kind: Kind::Group, about, groups, parts: &[] }
 }
 
 /// The material of all faces, if the block says one; `None` when a mistake was reported.

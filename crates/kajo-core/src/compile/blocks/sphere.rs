@@ -16,7 +16,13 @@ keys! {
 }
 
 pub const MEMBER: ObjectMember = Member {
-    block: Block { keyword: "Sphere", kind: Kind::Shape, about: "a ball", groups: &[SphereKeys::FIELDS] },
+    block: Block {
+        keyword: "Sphere",
+        kind: Kind::Shape,
+        about: "a ball",
+        groups: &[SphereKeys::FIELDS],
+        parts: &[],
+    },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 

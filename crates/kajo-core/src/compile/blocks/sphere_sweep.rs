@@ -5,7 +5,7 @@ use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use crate::compile::member::{Member, ObjectMember, reported};
 use crate::compile::paths::{self, Ends};
-use crate::schema::{Block, Kind};
+use crate::schema::{Block, Kind, NumberRange};
 use crate::shape::{Path, SphereSweep};
 
 pub const MEMBER: ObjectMember = Member {
@@ -14,12 +14,23 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "all balls along paths, whose radii change on the way",
         groups: &[],
+        parts: &[&PATH],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, |params, _| read(item, params)),
 };
 
-pub const PATH: Block =
-    Block { keyword: "path", kind: Kind::Part, about: "a path of the balls of a sweep", groups: &[] };
+pub const PATH: Block = Block {
+    keyword: "path",
+    kind: Kind::Part,
+    about: "a path of the balls of a sweep",
+    groups: &[&paths::fields(&[
+        NumberRange::ANY,
+        NumberRange::ANY,
+        NumberRange::ANY,
+        NumberRange::NOT_NEGATIVE,
+    ])],
+    parts: &[],
+};
 
 fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>) -> Option<SphereSweep> {
     let items = params.take(&[PATH.keyword]);

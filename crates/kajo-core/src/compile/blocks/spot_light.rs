@@ -26,6 +26,7 @@ pub const MEMBER: LightMember = Member {
         kind: Kind::Light,
         about: "light from a point into a cone",
         groups: &[SpotKeys::FIELDS, BrightnessKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.light(item, read),
 };

@@ -25,6 +25,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "between a box, a ball and an octahedron",
         groups: &[SuperellipsoidKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

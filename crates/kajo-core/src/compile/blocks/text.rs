@@ -59,6 +59,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "lettering in a font, drawn out across its plane",
         groups: &[TextKeys::FIELDS, BevelKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| {
         compiler.solid(item, ctm, state, |params, sources| read(item, params, sources))

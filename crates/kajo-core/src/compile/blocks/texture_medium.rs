@@ -24,12 +24,13 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "smoke or a cloud by a texture",
         groups: &[&[OPERAND], BoxKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.medium(item, read),
 };
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<TextureMedium> {
-    let texture = sources.textures.operands(params, [1, 1]);
+    let texture = sources.operands(params, [1, 1]);
     let keys = BoxKeys::read(params, sources);
     let coefficients = coefficients(params, sources);
     let (mut texture, BoxKeys { min, max }, coefficients) = (texture?, keys?, coefficients?);

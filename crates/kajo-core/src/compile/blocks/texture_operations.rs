@@ -10,7 +10,8 @@ use crate::compile::fields::{Keys, Sources, between, choice, choices, function, 
 use crate::compile::member::{Member, TextureMember};
 use crate::compile::named_texture::{NamedTexture, numbers_of};
 use crate::compile::operands::OPERAND;
-use crate::schema::{Block, FieldKind, FieldSpec, Kind};
+use crate::compile::transform;
+use crate::schema::{Block, FieldKind, FieldSpec, Kind, NumberRange};
 use crate::texture::{
     ColorCombination, ColorOperation, Colors, Curve, Cycle, FloatCombination, FloatOperation, FloatTexture,
     Interpolation, Knots, Ramp,
@@ -27,14 +28,19 @@ const FEW: [usize; 2] = [2, 16];
 
 /// A colour of a ramp.
 const COLOR_STOP: FieldSpec = FieldSpec {
+    repeats: true,
     about: "a place from 0 to 1, and the colour there; any number of these, in order",
-    ..FieldSpec::new("stop", FieldKind::Numbers(4))
+    ..FieldSpec::new(
+        "stop",
+        FieldKind::Numbers(&[NumberRange::ANY, NumberRange::SHARE, NumberRange::SHARE, NumberRange::SHARE]),
+    )
 };
 
 /// A number of a curve.
 const NUMBER_STOP: FieldSpec = FieldSpec {
+    repeats: true,
     about: "a place from 0 to 1, and the number there; any number of these, in order",
-    ..FieldSpec::new("stop", FieldKind::Numbers(2))
+    ..FieldSpec::new("stop", FieldKind::Numbers(&[NumberRange::ANY, NumberRange::SHARE]))
 };
 
 /// The words for what is between colours.
@@ -103,13 +109,16 @@ keys! {
 }
 
 const fn block(keyword: &'static str, about: &'static str, groups: &'static [&'static [FieldSpec]]) -> Block {
-    Block { keyword, kind: Kind::Texture, about, groups }
+    Block { keyword, kind: Kind::Texture, about, groups, parts: &[] }
 }
 
 pub const PLACED: TextureMember = Member {
-    block: block("Placed", "another texture or a picture at another place", &[ONE, PlacementKeys::FIELDS]),
+    block: Block {
+        parts: &[&transform::PLACEMENT],
+        ..block("Placed", "another texture or a picture at another place", &[ONE, PlacementKeys::FIELDS])
+    },
     read: |params, sources| {
-        let operands = sources.textures.operands(params, [1, 1]);
+        let operands = sources.operands(params, [1, 1]);
         let placed = placement(params, sources);
         let (texture, (mapping, _)) = (operands?.pop()?, placed?);
         mapped(texture, mapping, sources)
@@ -124,7 +133,8 @@ pub const RAMP: TextureMember = Member {
         let keys = RampKeys::read(params, sources);
         let stops = stops(params, &items, |args| {
             let at = args.number()?;
-            Ok((at, [args.number_in(0.0..=1.0)?, args.number_in(0.0..=1.0)?, args.number_in(0.0..=1.0)?]))
+            let mut share = |i| args.number_in(COLOR_STOP.kind.range(i).bounds());
+            Ok((at, [share(1)?, share(2)?, share(3)?]))
         });
         let RampKeys { interpolation: Between { interpolation, is_oklab }, frequency, phase } = keys?;
         let colors = Arc::new(Colors::new(stops?, interpolation, is_oklab)?);
@@ -139,7 +149,9 @@ pub const CURVE: TextureMember = Member {
         let texture = number_operand(params, sources);
         let items = params.take(&[NUMBER_STOP.key]);
         let keys = CurveKeys::read(params, sources);
-        let stops = stops(params, &items, |args| Ok((args.number()?, [args.number_in(0.0..=1.0)?])));
+        let stops = stops(params, &items, |args| {
+            Ok((args.number()?, [args.number_in(NUMBER_STOP.kind.range(1).bounds())?]))
+        });
         let knots = Arc::new(Knots::new(stops?, keys?.interpolation)?);
         sources.textures.nodes.float(Curve { texture: texture?, knots }).map(NamedTexture::Float)
     },
@@ -159,7 +171,7 @@ pub const THRESHOLD: TextureMember = Member {
 pub const BLEND: TextureMember = Member {
     block: block("Blend", "two textures in a proportion", &[&[OPERAND; 2], BlendKeys::FIELDS]),
     read: |params, sources| {
-        let parts = sources.textures.operands(params, [2, 2]);
+        let parts = sources.operands(params, [2, 2]);
         let BlendKeys { amount } = BlendKeys::read(params, sources)?;
         let parts = parts?;
         match numbers_of(&parts) {
@@ -175,7 +187,7 @@ pub const BLEND: TextureMember = Member {
 pub const MULTIPLY: TextureMember = Member {
     block: block("Multiply", "the product of textures", &[SEVERAL]),
     read: |params, sources| {
-        let parts = sources.textures.operands(params, FEW)?;
+        let parts = sources.operands(params, FEW)?;
         match numbers_of(&parts) {
             Some(numbers) => floats(FloatOperation::Multiply, numbers, sources),
             None => colors(ColorOperation::Multiply, &parts, sources),
@@ -186,7 +198,7 @@ pub const MULTIPLY: TextureMember = Member {
 pub const ADD: TextureMember = Member {
     block: block("Add", "the sum of textures, held to 1", &[SEVERAL]),
     read: |params, sources| {
-        let parts = sources.textures.operands(params, FEW)?;
+        let parts = sources.operands(params, FEW)?;
         match numbers_of(&parts) {
             Some(numbers) => floats(FloatOperation::Add, numbers, sources),
             None => colors(ColorOperation::Add, &parts, sources),
@@ -201,7 +213,7 @@ pub const FORMULA: TextureMember = Member {
         &[&[OPERAND; 3], FormulaKeys::FIELDS],
     ),
     read: |params, sources| {
-        let parts = sources.textures.operands(params, [1, 3]);
+        let parts = sources.operands(params, [1, 3]);
         let FormulaKeys { function } = FormulaKeys::read(params, sources)?;
         let parts = parts?;
         let unset =
@@ -218,7 +230,7 @@ pub const FORMULA: TextureMember = Member {
 
 /// The one texture of a block, as a number.
 fn number_operand(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<FloatTexture> {
-    let texture = sources.textures.operands(params, [1, 1])?.pop()?;
+    let texture = sources.operands(params, [1, 1])?.pop()?;
     texture.number(sources.textures.nodes)
 }
 

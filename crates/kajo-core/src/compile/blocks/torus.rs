@@ -24,6 +24,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "a ring with a round tube",
         groups: &[TorusKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };

@@ -27,6 +27,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "one triangle",
         groups: &[TriangleKeys::FIELDS],
+        parts: &[],
     },
     read: place_triangle,
 };

@@ -43,6 +43,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Shape,
         about: "the triangles of an OBJ, PLY or STL file",
         groups: &[MeshKeys::FIELDS, SubdivisionKeys::FIELDS],
+        parts: &[],
     },
     read: place_mesh,
 };

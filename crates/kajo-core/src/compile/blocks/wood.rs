@@ -4,6 +4,7 @@ use super::marble::VeinKeys;
 use crate::compile::fields::Keys;
 use crate::compile::material_draft::PARTS;
 use crate::compile::member::{MaterialMember, Member};
+use crate::compile::transform;
 use crate::schema::{Block, Kind};
 use crate::texture::Wood;
 
@@ -13,6 +14,7 @@ pub const MEMBER: MaterialMember = Member {
         kind: Kind::Material,
         about: "two materials in rings around an axis",
         groups: &[PARTS, VeinKeys::FIELDS],
+        parts: &[&transform::PLACEMENT],
     },
     read: |compiler, item| {
         compiler.blend(item, |params, sources| {

@@ -30,6 +30,7 @@ pub const MEMBER: MediumMember = Member {
         kind: Kind::Medium,
         about: "the curved space of two mouths that are one throat",
         groups: &[WormholeKeys::FIELDS],
+        parts: &[],
     },
     read: |compiler, item| compiler.medium(item, read),
 };

@@ -4,13 +4,14 @@ use kajo_color::{Emission, Reflectance, Spectrum};
 use kajo_math::Vec3;
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item};
 
+use super::picture_keys::{COLORS, NUMBERS};
+use super::pictures::is_picture;
 use super::{Optional, Plain, Sources, Stated, Typed, Value, triple_of};
 use crate::compile::light_groups;
 use crate::compile::named_texture::is_spectrum;
-use crate::compile::pictures::is_picture;
 use crate::compile::spectra::Written;
 use crate::ids::LightGroup;
-use crate::schema::{Constant, FieldKind, FieldSpec};
+use crate::schema::{Constant, FieldKind, FieldSpec, NumberRange};
 use crate::texture::{ColorTexture, FloatTexture};
 
 impl Plain<'_> for Emission {
@@ -70,7 +71,7 @@ pub(in crate::compile) const fn reflectance(key: &'static str) -> Typed<Written<
 
 /// A colour that is three numbers.
 pub(in crate::compile) const fn color(key: &'static str) -> Typed<Vec3> {
-    Typed::new(key, FieldKind::Color)
+    Typed::new(key, FieldKind::COLOR)
 }
 
 /// Absorption per unit length, which is not negative.
@@ -94,7 +95,7 @@ impl Stated for Absorption {
 
 /// Absorption per unit length.
 pub(in crate::compile) const fn absorption(key: &'static str) -> Typed<Absorption> {
-    Typed::new(key, FieldKind::Color)
+    Typed::new(key, FieldKind::Color(NumberRange::NOT_NEGATIVE))
 }
 
 impl Value<'_> for ColorTexture {
@@ -104,7 +105,7 @@ impl Value<'_> for ColorTexture {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<ColorTexture> {
-        sources.textures.color(item, diagnostics)
+        sources.color(item, diagnostics)
     }
 }
 
@@ -116,7 +117,7 @@ impl Stated for ColorTexture {
 
 /// A colour whose components are shares of light, a measured spectrum of such, or a texture.
 pub(in crate::compile) const fn color_texture(key: &'static str) -> Typed<ColorTexture> {
-    Typed::new(key, FieldKind::Reflectance).textured()
+    Typed::new(key, FieldKind::Reflectance).textured(&COLORS)
 }
 
 /// A colour of the classic format, or a texture as a factor of white.
@@ -139,12 +140,12 @@ impl<'t, V: Plain<'t> + Stated> Value<'t> for Textured<V> {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<Textured<V>> {
-        let texture = match sources.textures.named(item, diagnostics, is_spectrum) {
+        let texture = match sources.named_texture(item, diagnostics, is_spectrum) {
             Some(named) => {
                 Args::read(item, diagnostics, |args| args.text())?;
                 named?.color(sources.textures.nodes)
             }
-            None if is_picture(item) => sources.textures.color(item, diagnostics),
+            None if is_picture(item) => sources.color(item, diagnostics),
             None => return V::read(spec, item, diagnostics, sources).map(Textured::from),
         };
         let texture = Some(texture?);
@@ -165,7 +166,7 @@ impl Value<'_> for FloatTexture {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<FloatTexture> {
-        sources.textures.float(spec, item, diagnostics)
+        sources.float(spec, item, diagnostics)
     }
 }
 
@@ -177,7 +178,7 @@ impl Stated for FloatTexture {
 
 /// A number from `min` to `max`, or a texture of such.
 pub(in crate::compile) const fn float_texture(key: &'static str, min: f64, max: f64) -> Typed<FloatTexture> {
-    Typed::new(key, FieldKind::Number { min, max }).textured()
+    Typed::new(key, FieldKind::Number { min, max }).textured(&NUMBERS)
 }
 
 /// A number in [0, 1], or a texture of such.

@@ -8,7 +8,7 @@ use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item};
 
 use super::{Defaulted, Plain, Sources, Stated, Typed, Value};
-use crate::schema::{Constant, FieldKind, FieldSpec};
+use crate::schema::{Constant, FieldKind, FieldSpec, NumberRange};
 
 /// A value, and where it stands.
 pub(in crate::compile) struct At<'t, V> {
@@ -162,7 +162,7 @@ impl Stated for Vec2 {
 
 /// Two numbers.
 pub(in crate::compile) const fn pair(key: &'static str) -> Typed<Vec2> {
-    Typed::new(key, FieldKind::Numbers(2))
+    Typed::new(key, FieldKind::Numbers(&[NumberRange::ANY; 2]))
 }
 
 impl Plain<'_> for bool {
@@ -214,7 +214,7 @@ impl Stated for [f32; 3] {
 
 /// Three numbers that are neither a place nor a direction.
 pub(in crate::compile) const fn triple(key: &'static str) -> Typed<[f32; 3]> {
-    Typed::new(key, FieldKind::Numbers(3))
+    Typed::new(key, FieldKind::Numbers(&[NumberRange::ANY; 3]))
 }
 
 /// A place: three numbers.

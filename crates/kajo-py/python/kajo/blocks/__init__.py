@@ -10,6 +10,7 @@ from ._objects import Curves, Define, Difference, DistanceGrid, Group, HeightFie
 from ._others import Animation, Background, CylinderPart, Fog, Key, Lights, Materials, Media, Motion, Outline, Path, PlanePart, Profile, Settings, Sky, SpherePart, Strand, Textures
 from ._patterns_a import Agate, Brick, Cells, Checks, Clouds, Crackle, Gabor, Gradient, Granite, Hexagons, Leopard
 from ._patterns_n import Onion, Radial, Ridged, Rings, Ripples, Spiral, Timber, Turbulence, Veins, Waves, Worley, Wrinkles
+from ._picture import Picture
 from ._primitives import BicubicPatch, BilinearPatch, Blob, Box, Cone, Cubic, Cylinder, Disk, Plane, Polynomial, Quad, Quadric, Quartic, Sphere, Superellipsoid, Torus, Triangle
 from ._textures import Add, Blend, Curve, Formula, Multiply, Placed, Ramp, Threshold
 
@@ -92,6 +93,7 @@ __all__ = [
     "Path",
     "PerspectiveCamera",
     "PhongMaterial",
+    "Picture",
     "Placed",
     "Plane",
     "PlanePart",

@@ -26,8 +26,8 @@ class PerspectiveCamera(CameraBlock):
         target: the point it looks at, or the name of an object (x y z). Default: none.
         look_at: where it is, the point it looks at, and what is up (9 numbers). Default: none.
         up: which way is up in the picture (x y z). Default: none.
-        fit: what fills the picture: scene, or the name of an object (word or text). Default:
-            none.
+        fit: what fills the picture: scene, or the name of an object; then perhaps a margin, 0
+            to 0.45 of the picture (word or text). Default: none.
         shutter: from when to when light is gathered; in an animation in frames (2 numbers).
             Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
@@ -107,8 +107,8 @@ class OrthographicCamera(CameraBlock):
         target: the point it looks at, or the name of an object (x y z). Default: none.
         look_at: where it is, the point it looks at, and what is up (9 numbers). Default: none.
         up: which way is up in the picture (x y z). Default: none.
-        fit: what fills the picture: scene, or the name of an object (word or text). Default:
-            none.
+        fit: what fills the picture: scene, or the name of an object; then perhaps a margin, 0
+            to 0.45 of the picture (word or text). Default: none.
         shutter: from when to when light is gathered; in an animation in frames (2 numbers).
             Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
@@ -235,8 +235,8 @@ class PanoramaCamera(CameraBlock):
         target: the point it looks at, or the name of an object (x y z). Default: none.
         look_at: where it is, the point it looks at, and what is up (9 numbers). Default: none.
         up: which way is up in the picture (x y z). Default: none.
-        fit: what fills the picture: scene, or the name of an object (word or text). Default:
-            none.
+        fit: what fills the picture: scene, or the name of an object; then perhaps a margin, 0
+            to 0.45 of the picture (word or text). Default: none.
         shutter: from when to when light is gathered; in an animation in frames (2 numbers).
             Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
@@ -289,8 +289,8 @@ class StereoCubemapCamera(CameraBlock):
         target: the point it looks at, or the name of an object (x y z). Default: none.
         look_at: where it is, the point it looks at, and what is up (9 numbers). Default: none.
         up: which way is up in the picture (x y z). Default: none.
-        fit: what fills the picture: scene, or the name of an object (word or text). Default:
-            none.
+        fit: what fills the picture: scene, or the name of an object; then perhaps a margin, 0
+            to 0.45 of the picture (word or text). Default: none.
         shutter: from when to when light is gathered; in an animation in frames (2 numbers).
             Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number

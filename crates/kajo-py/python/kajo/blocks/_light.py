@@ -26,12 +26,12 @@ class Medium(MediumBlock):
     """Milk, haze, coloured water: what is the same everywhere.
 
     Args:
-        sigma_a: absorption per length (r g b, 1/length). Default: none.
-        sigma_s: scattering per length (r g b, 1/length). Default: none.
-        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
-        density: collisions per length (r g b, 1/length). Default: by the other keys.
-        mean_free_path: mean length between collisions (r g b, length). Default: by the other
-            keys.
+        sigma_a: absorption per length (r g b ≥ 0, 1/length). Default: none.
+        sigma_s: scattering per length (r g b ≥ 0, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b from 0 to 1). Default: 1 1 1.
+        density: collisions per length (r g b ≥ 0, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b > 0, length). Default: by the
+            other keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
@@ -40,8 +40,8 @@ class Medium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
-            Default: none.
+        phase_table: pairs of the angle by which light is turned and how much is (numbers in
+            groups of 2). Default: none.
         phase_file: a file of such pairs, one on a line (file). Default: none.
         phase_angle: what the first number of each pair is (cosine or degrees). Default:
             `degrees`.
@@ -90,10 +90,10 @@ class GridMedium(MediumBlock):
             (file). Default: none.
         grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
             first.
-        values: its numbers, as many as `size` says, x first (8 numbers). Default: those of
+        values: its numbers, as many as `size` says, x first (numbers). Default: those of
             `file`.
-        size: numbers along x, y and z, of `values` and of raw files (3 whole numbers). Default:
-            by the file.
+        size: numbers along x, y and z, of `values` and of raw files (3 whole numbers from 1 to
+            4294967295). Default: by the file.
         encoding: how a raw file stores numbers (f32, u16 or u8). Default: by the file.
         min: the corner of its box with the smallest coordinates (x y z). Default: by the file,
             or -1 -1 -1.
@@ -107,12 +107,12 @@ class GridMedium(MediumBlock):
             Default: 1.
         albedo_grid: name of a grid of colours in the same .vdb: shares of what is scattered,
             times `albedo` (word or text). Default: none.
-        sigma_a: absorption per length (r g b, 1/length). Default: none.
-        sigma_s: scattering per length (r g b, 1/length). Default: none.
-        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
-        density: collisions per length (r g b, 1/length). Default: by the other keys.
-        mean_free_path: mean length between collisions (r g b, length). Default: by the other
-            keys.
+        sigma_a: absorption per length (r g b ≥ 0, 1/length). Default: none.
+        sigma_s: scattering per length (r g b ≥ 0, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b from 0 to 1). Default: 1 1 1.
+        density: collisions per length (r g b ≥ 0, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b > 0, length). Default: by the
+            other keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
@@ -121,8 +121,8 @@ class GridMedium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
-            Default: none.
+        phase_table: pairs of the angle by which light is turned and how much is (numbers in
+            groups of 2). Default: none.
         phase_file: a file of such pairs, one on a line (file). Default: none.
         phase_angle: what the first number of each pair is (cosine or degrees). Default:
             `degrees`.
@@ -194,12 +194,12 @@ class FunctionMedium(MediumBlock):
         function: its density; where it is negative there is nothing (= function of x, y, z).
         min: the corner of its box with the smallest coordinates (x y z). Default: -1 -1 -1.
         max: the corner of its box with the largest coordinates (x y z). Default: 1 1 1.
-        sigma_a: absorption per length (r g b, 1/length). Default: none.
-        sigma_s: scattering per length (r g b, 1/length). Default: none.
-        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
-        density: collisions per length (r g b, 1/length). Default: by the other keys.
-        mean_free_path: mean length between collisions (r g b, length). Default: by the other
-            keys.
+        sigma_a: absorption per length (r g b ≥ 0, 1/length). Default: none.
+        sigma_s: scattering per length (r g b ≥ 0, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b from 0 to 1). Default: 1 1 1.
+        density: collisions per length (r g b ≥ 0, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b > 0, length). Default: by the
+            other keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
@@ -208,8 +208,8 @@ class FunctionMedium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
-            Default: none.
+        phase_table: pairs of the angle by which light is turned and how much is (numbers in
+            groups of 2). Default: none.
         phase_file: a file of such pairs, one on a line (file). Default: none.
         phase_angle: what the first number of each pair is (cosine or degrees). Default:
             `degrees`.
@@ -265,12 +265,12 @@ class TextureMedium(MediumBlock):
             (word or text, or a texture).
         min: the corner of its box with the smallest coordinates (x y z). Default: -1 -1 -1.
         max: the corner of its box with the largest coordinates (x y z). Default: 1 1 1.
-        sigma_a: absorption per length (r g b, 1/length). Default: none.
-        sigma_s: scattering per length (r g b, 1/length). Default: none.
-        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
-        density: collisions per length (r g b, 1/length). Default: by the other keys.
-        mean_free_path: mean length between collisions (r g b, length). Default: by the other
-            keys.
+        sigma_a: absorption per length (r g b ≥ 0, 1/length). Default: none.
+        sigma_s: scattering per length (r g b ≥ 0, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b from 0 to 1). Default: 1 1 1.
+        density: collisions per length (r g b ≥ 0, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b > 0, length). Default: by the
+            other keys.
         scale: makes all of it denser (number ≥ 0). Default: 1.
         emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
             sr)). Default: 0 0 0.
@@ -279,8 +279,8 @@ class TextureMedium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (8 numbers).
-            Default: none.
+        phase_table: pairs of the angle by which light is turned and how much is (numbers in
+            groups of 2). Default: none.
         phase_file: a file of such pairs, one on a line (file). Default: none.
         phase_angle: what the first number of each pair is (cosine or degrees). Default:
             `degrees`.

@@ -29,7 +29,8 @@ class PhongMaterial(MaterialBlock):
     Args:
         diffuse_color: colour of matte reflection (r g b, or a file or spectrum, or a texture).
             Default: 1 1 1.
-        texture: a picture that tints it, such as wood.png (word or text). Default: none.
+        texture: a picture that tints it, such as wood.png (picture, or a texture). Default:
+            none.
         specular_color: colour of the highlight (r g b, or a file or spectrum, or a texture).
             Default: 0 0 0.
         exponent: sharpness of the highlight (number ≥ 0, or a texture). Default: 1, or 0 in
@@ -48,10 +49,10 @@ class PhongMaterial(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "PhongMaterial"
@@ -98,7 +99,8 @@ class Material(MaterialBlock):
     Args:
         diffuse_color: colour of matte reflection (r g b, or a file or spectrum, or a texture).
             Default: 1 1 1.
-        texture: a picture that tints it, such as wood.png (word or text). Default: none.
+        texture: a picture that tints it, such as wood.png (picture, or a texture). Default:
+            none.
         specular_color: colour of the highlight (r g b, or a file or spectrum, or a texture).
             Default: 0 0 0.
         exponent: sharpness of the highlight (number ≥ 0, or a texture). Default: 1, or 0 in
@@ -117,10 +119,10 @@ class Material(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "Material"
@@ -173,10 +175,10 @@ class Matte(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "Matte"
@@ -222,10 +224,10 @@ class Metal(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "Metal"
@@ -267,7 +269,7 @@ class Glass(MaterialBlock):
         glass: a measured glass, such as N-BK7 (word or text). Default: by `indexOfRefraction`.
         index_of_refraction: how strongly it bends light (number from 1 to 4). Default: 1.5.
         abbe_number: how little it splits colours (number > 0). Default: all colours alike.
-        absorption: per length inside (r g b, 1/length). Default: 0 0 0.
+        absorption: per length inside (r g b ≥ 0, 1/length). Default: 0 0 0.
         thickness: of a pane (number ≥ 0, length, or a texture). Default: a solid body.
         thin: a pane, whose surface stands for both its sides (on or off). Default: on with a
             `thickness`.
@@ -286,10 +288,10 @@ class Glass(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "Glass"
@@ -352,7 +354,7 @@ class Principled(MaterialBlock):
         index_of_refraction: strength of the highlight (number from 1 to 4, or a texture).
             Default: 1.5.
         transmission: from plastic to glass (number from 0 to 1, or a texture). Default: 0.
-        absorption: of the glass, per length inside (r g b, 1/length). Default: 0 0 0.
+        absorption: of the glass, per length inside (r g b ≥ 0, 1/length). Default: 0 0 0.
         thin: its glass is a pane (on or off). Default: off.
         diffuse_roughness: 0 is as paper, 1 as plaster (number from 0 to 1, or a texture).
             Default: 0.
@@ -367,7 +369,7 @@ class Principled(MaterialBlock):
         fuzz_roughness: of the fuzz (number from 0 to 1, or a texture). Default: 0.5.
         subsurface: from plastic to wax, skin and marble (number from 0 to 1, or a texture).
             Default: 0.
-        subsurface_radius: how far light goes inside between collisions (r g b, length).
+        subsurface_radius: how far light goes inside between collisions (r g b > 0, length).
             Default: 1 0.2 0.1.
         subsurface_scale: a factor of `subsurfaceRadius` (number > 0). Default: 0.05.
         subsurface_anisotropy: mean cosine inside: 0 to all sides, 0.8 as in skin (number from
@@ -381,10 +383,10 @@ class Principled(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "Principled"
@@ -472,10 +474,10 @@ class BTF(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "BTF"
@@ -522,10 +524,10 @@ class Measured(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "Measured"
@@ -567,10 +569,10 @@ class Interface(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "Interface"
@@ -615,10 +617,10 @@ class AccretionDisk(MaterialBlock):
         group: name of the lights it is seen among (word or text). Default: none.
         opacity: the share of it that is there, between holes (number from 0 to 1, or a
             texture). Default: 1.
-        normal_map: a picture of normals that dents it, such as hammered.png (word or text).
-            Default: none.
-        bump: a picture or a function of heights that dents it, such as bricks.png (word or
-            text). Default: none.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
     """
 
     keyword = "AccretionDisk"

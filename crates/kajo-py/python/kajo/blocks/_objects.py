@@ -57,10 +57,10 @@ class DistanceGrid(ObjectBlock):
             (file). Default: none.
         grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
             first.
-        values: its numbers, as many as `size` says, x first (8 numbers). Default: those of
+        values: its numbers, as many as `size` says, x first (numbers). Default: those of
             `file`.
-        size: numbers along x, y and z, of `values` and of raw files (3 whole numbers). Default:
-            by the file.
+        size: numbers along x, y and z, of `values` and of raw files (3 whole numbers from 1 to
+            4294967295). Default: by the file.
         encoding: how a raw file stores numbers (f32, u16 or u8). Default: by the file.
         min: the corner of its box with the smallest coordinates (x y z). Default: by the file,
             or -1 -1 -1.
@@ -472,9 +472,21 @@ class Merge(ObjectBlock):
 
 
 class Group(ObjectBlock):
-    """Objects together."""
+    """Objects together.
+
+    Args:
+        num_objects: how many there are, which is checked (whole number ≥ 0). Default: as many
+            as there are.
+    """
 
     keyword = "Group"
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        num_objects: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.num_objects = num_objects
 
 
 class Transform(ObjectBlock):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from .._items import (
     Block,
@@ -110,38 +110,125 @@ class PlanePart(PartBlock):
 
 
 class Outline(PartBlock):
-    """A closed path around a prism."""
+    """A closed path around a prism.
+
+    Args:
+        line: goes straight from point to point (numbers in groups of 2). Default: none.
+        quadratic: quadratic Béziers by pairs of points: one each is drawn towards, and its end
+            (numbers in groups of 2). Default: none.
+        cubic: cubic Béziers by three points each: two it is drawn towards, and its end (numbers
+            in groups of 2). Default: none.
+        spline: goes smoothly through points (numbers in groups of 2). Default: none.
+    """
 
     keyword = "outline"
+    several: ClassVar[tuple[str, ...]] = ("line","quadratic","cubic","spline",)
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        line: Sequence[Number | Vector] | None = None,
+        quadratic: Sequence[Number | Vector] | None = None,
+        cubic: Sequence[Number | Vector] | None = None,
+        spline: Sequence[Number | Vector] | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.line = line
+        self.quadratic = quadratic
+        self.cubic = cubic
+        self.spline = spline
 
 
 class Profile(PartBlock):
-    """A path that a lathe turns."""
+    """A path that a lathe turns.
+
+    Args:
+        line: goes straight from point to point (numbers in groups of 2). Default: none.
+        quadratic: quadratic Béziers by pairs of points: one each is drawn towards, and its end
+            (numbers in groups of 2). Default: none.
+        cubic: cubic Béziers by three points each: two it is drawn towards, and its end (numbers
+            in groups of 2). Default: none.
+        spline: goes smoothly through points (numbers in groups of 2). Default: none.
+    """
 
     keyword = "profile"
+    several: ClassVar[tuple[str, ...]] = ("line","quadratic","cubic","spline",)
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        line: Sequence[Number | Vector] | None = None,
+        quadratic: Sequence[Number | Vector] | None = None,
+        cubic: Sequence[Number | Vector] | None = None,
+        spline: Sequence[Number | Vector] | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.line = line
+        self.quadratic = quadratic
+        self.cubic = cubic
+        self.spline = spline
 
 
 class Path(PartBlock):
-    """A path of the balls of a sweep."""
+    """A path of the balls of a sweep.
+
+    Args:
+        line: goes straight from point to point (numbers in groups of 4: any, any, any, ≥ 0).
+            Default: none.
+        quadratic: quadratic Béziers by pairs of points: one each is drawn towards, and its end
+            (numbers in groups of 4: any, any, any, ≥ 0). Default: none.
+        cubic: cubic Béziers by three points each: two it is drawn towards, and its end (numbers
+            in groups of 4: any, any, any, ≥ 0). Default: none.
+        spline: goes smoothly through points (numbers in groups of 4: any, any, any, ≥ 0).
+            Default: none.
+    """
 
     keyword = "path"
+    several: ClassVar[tuple[str, ...]] = ("line","quadratic","cubic","spline",)
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        line: Sequence[Number | Vector] | None = None,
+        quadratic: Sequence[Number | Vector] | None = None,
+        cubic: Sequence[Number | Vector] | None = None,
+        spline: Sequence[Number | Vector] | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.line = line
+        self.quadratic = quadratic
+        self.cubic = cubic
+        self.spline = spline
 
 
 class Strand(PartBlock):
-    """One of many curves, by its points."""
+    """One of many curves, by its points.
+
+    Args:
+        points: where it goes (numbers in groups of 3).
+        radii: half its width: one number, or one for each point (numbers ≥ 0, length). Default:
+            `radius` of all.
+    """
 
     keyword = "strand"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        points: Number | Vector,
+        radii: Number | Vector | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.points = points
+        self.radii = radii
 
 
 class Settings(Block):
     """How the scene is to be rendered.
 
     Args:
-        size: columns and rows of the picture (2 whole numbers, pixels). Default: 800 600.
+        size: columns and rows of the picture (2 whole numbers from 1 to 16777216, pixels).
+            Default: 800 600.
         integrator: how light is followed (auto, bidirectional, classic, direct, distribution,
             irradiance, light, mlt, occlusion, path, photon, sppm or vcm). Default: classic.
         samples: rays of each pixel (bluenoise, cmj, jittered, pmj, poisson, regular, sobol,
-            uniform or zsobol; then a whole number). Default: by the integrator.
+            uniform or zsobol; then a whole number from 1 to 1048576). Default: by the integrator.
         bounces: surfaces that light is followed over (whole number from 0 to 1000). Default: by
             the integrator.
         shadows: what casts them (off, on or transparent). Default: on.
@@ -152,7 +239,7 @@ class Settings(Block):
         total_reflection: light that cannot leave is reflected (on or off). Default: off.
         weight: rays that count for less are not followed (number ≥ 0). Default: 0.
         filter: how samples become pixels (box, gaussian, lanczos, mitchell, none or tent; then
-            a number). Default: none.
+            a number from 0.001 to 64). Default: none.
         seed: of the random numbers (whole number from 0 to 9007199254740992). Default: 0.
         spectral: with wavelengths in place of red, green and blue (on or off). Default: off.
         branches: rays from one surface (whole number from 1 to 65536). Default: by the
@@ -189,8 +276,8 @@ class Settings(Block):
             stops). Default: 0.
         tone: curve from light to pixels (linear, srgb, aces or agx). Default: by the
             integrator.
-        white_balance: kelvin and tint of the light that is to look white (2 numbers, K).
-            Default: as it is.
+        white_balance: kelvin and tint of the light that is to look white (2 numbers: from 1000
+            to 25000, from -150 to 150, K). Default: as it is.
         dialect: conventions of the file (handout, mit-2004 or mit-a2). Default: handout.
     """
 
@@ -277,8 +364,8 @@ class Animation(Block):
 
     Args:
         fps: frames of a second (number > 0, 1/s). Default: 24.
-        frames: the first frame, which is at time 0, and the last one (2 whole numbers).
-            Default: from 1 on.
+        frames: the first frame, which is at time 0, and the last one (2 whole numbers from 0 to
+            1000000000). Default: from 1 on.
     """
 
     keyword = "Animation"
@@ -388,15 +475,39 @@ class Fog(Block):
 
 
 class Lights(Block):
-    """The lights of the scene."""
+    """The lights of the scene.
+
+    Args:
+        num_lights: how many there are, which is checked (whole number ≥ 0). Default: as many as
+            there are.
+    """
 
     keyword = "Lights"
 
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        num_lights: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.num_lights = num_lights
+
 
 class Materials(Block):
-    """The materials of the scene."""
+    """The materials of the scene.
+
+    Args:
+        num_materials: how many there are, which is checked (whole number ≥ 0). Default: as many
+            as there are.
+    """
 
     keyword = "Materials"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        num_materials: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.num_materials = num_materials
 
 
 class Textures(Block):

@@ -288,7 +288,8 @@ class Polynomial(ObjectBlock):
     """Where a polynomial of any degree is zero, in a box.
 
     Args:
-        terms: for each term a coefficient and the powers of x, y and z (4 numbers).
+        terms: for each term a coefficient and the powers of x, y and z (numbers in groups of 4:
+            any, from 0 to 100, from 0 to 100, from 0 to 100).
         min: the corner of its box with the smallest coordinates (x y z). Default: -1 -1 -1.
         max: the corner of its box with the largest coordinates (x y z). Default: 1 1 1.
         closed: whether faces of the box close it where they cut it (on or off). Default: on.

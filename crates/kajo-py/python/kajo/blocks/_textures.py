@@ -79,7 +79,7 @@ class Ramp(TextureBlock):
         texture: what it is made of: the name of a texture, a picture, a number, or a colour
             (word or text, or a texture).
         stop: a place from 0 to 1, and the colour there; any number of these, in order (4
-            numbers).
+            numbers: any, from 0 to 1, from 0 to 1, from 0 to 1).
         interpolation: what is between colours (linear, oklab, smooth or step). Default: linear.
         frequency: how often it is run through from 0 to 1 (number). Default: 1.
         phase: by which part of itself it is moved (number). Default: 0.
@@ -111,7 +111,7 @@ class Curve(TextureBlock):
         texture: what it is made of: the name of a texture, a picture, a number, or a colour
             (word or text, or a texture).
         stop: a place from 0 to 1, and the number there; any number of these, in order (2
-            numbers).
+            numbers: any, from 0 to 1).
         interpolation: what is between numbers (linear, smooth or step). Default: linear.
     """
 

@@ -172,7 +172,7 @@ pub(super) fn placement(
     params: &mut Params<'_, '_>,
     sources: &mut Sources<'_>,
 ) -> Option<(Option<Mapping>, bool)> {
-    let transform = params.block("Transform");
+    let transform = params.block(transform::PLACEMENT.keyword);
     let keys = PlacementKeys::read(params, sources)?;
     if keys.warp == 0.0 {
         params.idle(&["warpOctaves", "lambda", "omega"], "without a `warp`");
@@ -254,6 +254,7 @@ macro_rules! pattern_member {
                 kind: crate::schema::Kind::Texture,
                 about: $about,
                 groups: &[$($Keys::FIELDS,)* super::PlacementKeys::FIELDS],
+                parts: &[&crate::compile::transform::PLACEMENT],
             },
             read: |params, sources| super::pattern(params, sources, |$params, $sources| Some($read.into())),
         };

@@ -7,10 +7,10 @@
 //!
 //! A run of `#` in a name is the number of the frame, with zeros before it where it has fewer digits.
 
-use kajo_scene::{Args, Clock, Diagnostic, Params};
+use kajo_scene::{Clock, Diagnostic, Params};
 
-/// Bound on numbers of frames, as those of an animation.
-const MOST: i64 = 1_000_000_000;
+use super::picture_keys::SequenceKeys;
+use super::{Keys, Sources};
 
 /// Which files of a sequence there are, and which of them is shown when.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,9 +23,6 @@ pub(super) struct PictureSequence {
     cycles: bool,
 }
 
-/// The keys of a sequence.
-const KEYS: [&str; 3] = ["frames", "frameOffset", "cycle"];
-
 /// What stands around the run of `#` in a name, and how long it is; `None` where there is no such run.
 fn parts(name: &str) -> Option<(&str, usize, &str)> {
     let start = name.find('#')?;
@@ -37,25 +34,21 @@ impl PictureSequence {
     /// Reads the keys of a sequence from the block of a picture.
     ///
     /// * `name`: of the picture; where it has no number they are of no use, which is said
-    pub fn read(name: Option<&str>, params: &mut Params<'_, '_>) -> PictureSequence {
+    pub fn read(
+        name: Option<&str>,
+        params: &mut Params<'_, '_>,
+        sources: &mut Sources<'_>,
+    ) -> Option<PictureSequence> {
         if name.is_some_and(|name| parts(name).is_none()) {
-            params.idle(&KEYS, "where the name has no `####` for the number of a frame");
+            let keys: Vec<&str> = SequenceKeys::FIELDS.iter().map(|field| field.key).collect();
+            params.idle(&keys, "where the name has no `####` for the number of a frame");
         }
-        let number = |args: &mut Args<'_>| args.int_in(-MOST..=MOST);
-        let frames = params.optional("frames", |args| {
-            let [first, last] = [number(args)?, number(args)?];
-            if first <= last {
-                Ok([first, last])
-            } else {
-                Err(args.error("the first frame is not after the last one"))
-            }
-        });
-        let offset = params.or("frameOffset", 0, number);
-        let cycles = params.or("cycle", false, Args::flag);
-        if cycles && frames.is_none() {
+        let SequenceKeys { frames, frame_offset, cycle } = SequenceKeys::read(params, sources)?;
+        if cycle && frames.is_none() {
             params.refuse("cycle", "without `frames`, which say where it begins again");
         }
-        PictureSequence { frames, offset, cycles }
+        let frames = frames.map(|frames| frames.0);
+        Some(PictureSequence { frames, offset: frame_offset.into(), cycles: cycle })
     }
 
     /// The name of the file at a moment.

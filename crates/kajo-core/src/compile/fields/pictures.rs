@@ -21,18 +21,19 @@ use std::sync::Arc;
 
 use kajo_color::Reflectance;
 use kajo_image::Format;
-use kajo_math::Vec2;
 use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, Params};
 
-use super::CompileOptions;
-use super::named_texture::{self, NamedTexture, TextureNames, is_spectrum};
-use super::picture_files::{PictureCache, PictureReader, Problem};
+use super::picture_keys::{ChannelKeys, PictureKeys, RANGE};
 use super::picture_sequence::PictureSequence;
-use super::spectra::{SpectrumReader, Written};
+use super::{Keys, Sources};
+use crate::compile::CompileOptions;
+use crate::compile::named_texture::{self, NamedTexture, TextureNames, is_spectrum};
+use crate::compile::picture_files::{PictureCache, PictureReader, Problem};
+use crate::compile::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{
     AnyFloatNode, Channel, ColorTexture, Encoding, Expression, FloatTexture, Picture, PictureChannel,
-    PictureMap, Remapped, TexelFilter, Textures, Tiling, Wrap,
+    PictureMap, Remapped, Textures, Tiling, Wrap,
 };
 
 /// Endings of pictures that people have and this program does not read.
@@ -41,31 +42,8 @@ const FOREIGN: [&str; 7] = ["avif", "dds", "gif", "ktx", "ktx2", "tif", "tiff"];
 /// Endings of pictures that are read and not written.
 const READ_ONLY: [&str; 3] = ["jpeg", "jpg", "webp"];
 
-const ENCODINGS: [(&str, Encoding); 2] = [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
-
-const FILTERS: [(&str, TexelFilter); 8] = [
-    ("bicubic", TexelFilter::Bicubic),
-    ("bilinear", TexelFilter::Bilinear),
-    ("ewa", TexelFilter::Ewa),
-    ("feline", TexelFilter::Feline),
-    ("nearest", TexelFilter::Nearest),
-    ("sat", TexelFilter::Sat),
-    ("stochastic", TexelFilter::Stochastic),
-    ("trilinear", TexelFilter::Trilinear),
-];
-
-const WRAPS: [(&str, Wrap); 5] = [
-    ("black", Wrap::Black),
-    ("clamp", Wrap::Clamp),
-    ("mirror", Wrap::Mirror),
-    ("once", Wrap::Once),
-    ("repeat", Wrap::Repeat),
-];
-
-const TILINGS: [(&str, Tiling); 2] = [("random", Tiling::Random), ("regular", Tiling::Regular)];
-
 /// Reads textures.
-pub(super) struct TextureReader<'a> {
+pub(in crate::compile) struct TextureReader<'a> {
     pub spectra: SpectrumReader<'a>,
     pub pictures: PictureReader<'a>,
     /// Of the scene.
@@ -91,28 +69,32 @@ impl<'a> TextureReader<'a> {
     }
 }
 
-impl TextureReader<'_> {
+impl Sources<'_> {
     /// A colour whose components are shares of light, a measured spectrum of such, a picture, or a texture by its name.
     pub fn color(&mut self, item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<ColorTexture> {
         if is_picture(item) {
-            let (map, ()) = self.pictures.map(item, None, diagnostics, |_| ())?;
-            return self.nodes.color(map);
+            let (map, ()) = self.picture(item, None, diagnostics, |_, _| Some(()))?;
+            return self.textures.nodes.color(map);
         }
-        if let Some(named) = self.named(item, diagnostics, is_spectrum) {
+        if let Some(named) = self.named_texture(item, diagnostics, is_spectrum) {
             Args::read(item, diagnostics, |args| args.text())?;
-            return named?.color(self.nodes);
+            return named?.color(self.textures.nodes);
         }
-        Args::read(item, diagnostics, |args| share_of_light(self.spectra, args)).map(ColorTexture::Constant)
+        let spectra = self.textures.spectra;
+        Args::read(item, diagnostics, |args| share_of_light(spectra, args)).map(ColorTexture::Constant)
     }
 
     /// The texture that an item names, as [`named_texture::find`]; none where it names a picture.
-    pub fn named(
+    pub fn named_texture(
         &self,
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
         is_value: impl Fn(&str) -> bool,
     ) -> Option<Option<NamedTexture>> {
-        if is_picture(item) { None } else { named_texture::find(self.named, item, diagnostics, is_value) }
+        if is_picture(item) {
+            return None;
+        }
+        named_texture::find(self.textures.named, item, diagnostics, is_value)
     }
 
     /// A number within the bounds of its field, a picture or a named texture of such, or a function of the place.
@@ -122,43 +104,44 @@ impl TextureReader<'_> {
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
     ) -> Option<FloatTexture> {
-        let node = |map, channel| PictureChannel { map, channel }.into();
-        self.float_of(spec, item, diagnostics, read_channel, node)
+        let node = |(map, channel), ()| PictureChannel { map, channel }.into();
+        self.float_of(spec, item, diagnostics, |_, _| Some(()), node)
     }
 
-    /// As [`TextureReader::float`] of what `of` makes of a picture.
+    /// As [`Sources::float`] of what `of` makes of a channel of a picture.
     ///
     /// * `more`: reads what of the picture's block is for `of`
-    pub fn float_of<T: Default>(
+    pub fn float_of<'t, T>(
         &mut self,
         spec: &FieldSpec,
-        item: Item<'_>,
+        item: Item<'t>,
         diagnostics: &mut Diagnostics,
-        more: impl FnOnce(&mut Params<'_, '_>) -> T,
-        of: impl FnOnce(PictureMap, T) -> AnyFloatNode,
+        more: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<T>,
+        of: impl FnOnce((PictureMap, Channel), T) -> AnyFloatNode,
     ) -> Option<FloatTexture> {
         let bounds = spec.kind.bounds();
         if item.function().is_some() {
             let function = Args::read(item, diagnostics, Args::function)?;
-            return self.nodes.float(Expression { function, bounds: held_by(bounds) });
+            return self.textures.nodes.float(Expression { function, bounds: held_by(bounds) });
         }
         let range = |params: &mut Params<'_, '_>| {
-            params.optional("range", |args| Ok([args.number_in(bounds)?, args.number_in(bounds)?]))
+            params.optional(RANGE.key, |args| Ok([args.number_in(bounds)?, args.number_in(bounds)?]))
         };
-        if let Some(named) = self.named(item, diagnostics, |_| false) {
-            let range = name_with(item, diagnostics, range)?;
-            let texture = named?.number(self.nodes)?;
+        if let Some(named) = self.named_texture(item, diagnostics, |_| false) {
+            let range = name_with(item, diagnostics, |params| Some(range(params)))?;
+            let texture = named?.number(self.textures.nodes)?;
             return self.ranged(spec, item, diagnostics, (texture, range, "texture"));
         }
         if !is_picture(item) {
             return Args::read(item, diagnostics, |args| args.number_in(bounds)).map(FloatTexture::Constant);
         }
-        let read = |params: &mut Params<'_, '_>| {
-            let range = range(params);
-            (more(params), range)
-        };
-        let (map, (said, range)) = self.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
-        let texture = self.nodes.float(of(map, said))?;
+        let (map, (channel, said, range)) =
+            self.picture(item, Some(Encoding::Linear), diagnostics, |params, sources| {
+                let channel = ChannelKeys::read(params, sources);
+                let range = range(params);
+                Some((channel?.channel, more(params, sources)?, range))
+            })?;
+        let texture = self.textures.nodes.float(of((map, channel), said))?;
         self.ranged(spec, item, diagnostics, (texture, range, "picture"))
     }
 
@@ -172,7 +155,7 @@ impl TextureReader<'_> {
     ) -> Option<FloatTexture> {
         let bounds = spec.kind.bounds();
         match range {
-            Some(range) => self.nodes.float(Remapped { texture, range }),
+            Some(range) => self.textures.nodes.float(Remapped { texture, range }),
             None if bounds.contains(&0.0) && bounds.contains(&1.0) => Some(texture),
             None => {
                 let message =
@@ -183,22 +166,75 @@ impl TextureReader<'_> {
             }
         }
     }
+
+    /// The picture that an item names, laid as its block says.
+    ///
+    /// * `encoding`: what the colours mean if the block does not say; `None` leaves it to the file
+    /// * `more`: reads what else may stand in the block
+    pub fn picture<'t, T>(
+        &mut self,
+        item: Item<'t>,
+        encoding: Option<Encoding>,
+        diagnostics: &mut Diagnostics,
+        more: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<T>,
+    ) -> Option<(PictureMap, T)> {
+        let read_name = |args: &mut Args<'t>| Ok((args.text()?.into_owned(), ()));
+        let ((map, ()), more) = self.picture_and(item, encoding, diagnostics, read_name, more)?;
+        Some((map, more))
+    }
+
+    /// As [`Sources::picture`], and what stands after the name.
+    pub fn picture_and<'t, U, T>(
+        &mut self,
+        item: Item<'t>,
+        encoding: Option<Encoding>,
+        diagnostics: &mut Diagnostics,
+        read_name: impl FnOnce(&mut Args<'t>) -> Result<(String, U), Diagnostic>,
+        more: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<T>,
+    ) -> Option<((PictureMap, U), T)> {
+        let mut params = Params::within(item, diagnostics);
+        let name = params.own(read_name);
+        let keys = PictureKeys::read(&mut params, self);
+        if keys.as_ref().is_some_and(|keys| keys.tiling == Tiling::Random && keys.wrap != Wrap::Repeat) {
+            params.refuse("tiling", "beside a `wrap` other than `repeat`");
+        }
+        let more = more(&mut params, self);
+        let sequence = PictureSequence::read(name.as_ref().map(|(name, _)| &**name), &mut params, self);
+        params.finish();
+        let ((name, after), keys, sequence) = (name?, keys?, sequence?);
+        let PictureKeys { repeat, offset, wrap, tiling, filter, encoding: said } = keys;
+        let pictures = &mut self.textures.pictures;
+        let picture = pictures.at_frame(item, &name, sequence, said.or(encoding), diagnostics)?;
+        // The smaller copies are made once for all that ask for them.
+        if let Err(over) = pictures.memory.take(picture.preparation(filter)) {
+            let error = Diagnostic::error(format!("cannot filter `{name}`: {over}"));
+            diagnostics.push(error.label(item.head_span(), "named here"));
+            return None;
+        }
+        picture.prepare(filter);
+        let map = PictureMap {
+            wrap: [wrap; 2],
+            tiling,
+            filter,
+            repeat: repeat.0,
+            offset,
+            ..PictureMap::new(picture)
+        };
+        Some(((map, after), more?))
+    }
 }
 
-/// What stands in the block behind the name of a texture, if there is one; `None` for what is wrong, which is reported.
-pub(super) fn name_with<T>(
-    item: Item<'_>,
+/// What stands in the block behind the name of a texture; `None` for what is wrong, which is reported.
+pub(in crate::compile) fn name_with<'t, T>(
+    item: Item<'t>,
     diagnostics: &mut Diagnostics,
-    read: impl FnOnce(&mut Params<'_, '_>) -> Option<T>,
-) -> Option<Option<T>> {
-    if !item.has_block() {
-        return Args::read(item, diagnostics, |args| args.text()).map(|_| None);
-    }
-    let mut params = Params::new(item, diagnostics);
+    read: impl FnOnce(&mut Params<'t, '_>) -> Option<T>,
+) -> Option<T> {
+    let mut params = Params::within(item, diagnostics);
     let name = params.own(|args| args.text().map(|_| ()));
     let found = read(&mut params);
     params.finish();
-    name.map(|()| found)
+    name.and(found)
 }
 
 /// The numbers that a function of the place is held to.
@@ -225,7 +261,7 @@ fn share_of_light(spectra: SpectrumReader<'_>, args: &mut Args<'_>) -> Result<Re
 }
 
 /// Whether the item names a picture.
-pub(super) fn is_picture(item: Item<'_>) -> bool {
+pub(in crate::compile) fn is_picture(item: Item<'_>) -> bool {
     let Some(word) = item.word() else { return false };
     let name = word.text();
     let Some((_, ending)) = name.rsplit_once('.') else { return false };
@@ -233,77 +269,7 @@ pub(super) fn is_picture(item: Item<'_>) -> bool {
     is_other || Format::from_extension(ending).is_some()
 }
 
-pub(super) fn read_channel(params: &mut Params<'_, '_>) -> Channel {
-    const CHANNELS: [(&str, Channel); 4] = [
-        ("alpha", Channel::Alpha),
-        ("blue", Channel::Blue),
-        ("green", Channel::Green),
-        ("red", Channel::Red),
-    ];
-    params.or("channel", Channel::Red, |args| args.choice(&CHANNELS))
-}
-
 impl PictureReader<'_> {
-    /// The picture that an item names, laid as its block says.
-    ///
-    /// * `encoding`: what the colours mean if the block does not say; `None` leaves it to the file
-    /// * `more`: reads what else may stand in the block
-    pub fn map<T: Default>(
-        &mut self,
-        item: Item<'_>,
-        encoding: Option<Encoding>,
-        diagnostics: &mut Diagnostics,
-        more: impl FnOnce(&mut Params<'_, '_>) -> T,
-    ) -> Option<(PictureMap, T)> {
-        let read_name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), ()));
-        let ((map, ()), more) = self.map_and(item, encoding, diagnostics, read_name, more)?;
-        Some((map, more))
-    }
-
-    /// As [`PictureReader::map`], and what stands after the name.
-    pub fn map_and<U, T: Default>(
-        &mut self,
-        item: Item<'_>,
-        encoding: Option<Encoding>,
-        diagnostics: &mut Diagnostics,
-        read_name: impl FnOnce(&mut Args<'_>) -> Result<(String, U), Diagnostic>,
-        more: impl FnOnce(&mut Params<'_, '_>) -> T,
-    ) -> Option<((PictureMap, U), T)> {
-        if !item.has_block() {
-            let (name, after) = Args::read(item, diagnostics, read_name)?;
-            let picture = self.at_frame(item, &name, PictureSequence::default(), encoding, diagnostics)?;
-            return Some(((PictureMap::new(picture), after), T::default()));
-        }
-        let mut params = Params::new(item, diagnostics);
-        let name = params.own(read_name);
-        let encoding = params.optional("encoding", |args| args.choice(&ENCODINGS)).or(encoding);
-        let filter = params.or("filter", TexelFilter::default(), |args| args.choice(&FILTERS));
-        let wrap = params.or("wrap", Wrap::default(), |args| args.choice(&WRAPS));
-        let tiling = params.or("tiling", Tiling::default(), |args| args.choice(&TILINGS));
-        if tiling == Tiling::Random && wrap != Wrap::Repeat {
-            params.refuse("tiling", "beside a `wrap` other than `repeat`");
-        }
-        let repeat = params.or("repeat", Vec2::ONE, |args| match args.numbers_left() {
-            1 => args.number().map(Vec2::splat),
-            _ => args.vec2(),
-        });
-        let offset = params.or("offset", Vec2::ZERO, Args::vec2);
-        let more = more(&mut params);
-        let sequence = PictureSequence::read(name.as_ref().map(|(name, _)| &**name), &mut params);
-        params.finish();
-        let (name, after) = name?;
-        let picture = self.at_frame(item, &name, sequence, encoding, diagnostics)?;
-        // The smaller copies are made once for all that ask for them.
-        if let Err(over) = self.memory.take(picture.preparation(filter)) {
-            let error = Diagnostic::error(format!("cannot filter `{name}`: {over}"));
-            diagnostics.push(error.label(item.head_span(), "named here"));
-            return None;
-        }
-        picture.prepare(filter);
-        let map = PictureMap { wrap: [wrap; 2], tiling, filter, repeat, offset, ..PictureMap::new(picture) };
-        Some(((map, after), more))
-    }
-
     /// The picture of a name at the frame of the scene.
     fn at_frame(
         &mut self,
