@@ -29,7 +29,7 @@ impl NamedTexture {
             NamedTexture::Float(FloatTexture::Constant(value)) => {
                 Some(Reflectance::from_rgb([*value; 3]).into())
             }
-            NamedTexture::Float(texture) => nodes.color(Grey(*texture)),
+            NamedTexture::Float(texture) => nodes.color(Grey::reflectance(*texture)),
             NamedTexture::Color(color) => Some(color.clone()),
         }
     }

@@ -9,7 +9,7 @@ use super::fields::{
 };
 use super::spectra::factor;
 use crate::schema::{FieldKind, FieldSpec};
-use crate::texture::{ColorTexture, Encoding, Expression, FloatTexture, PictureChannel, PictureCut};
+use crate::texture::{ColorTexture, Encoding, Expression, FloatTexture, Grey, PictureChannel, PictureCut};
 
 /// The share of a surface that is there, or a texture of it.
 pub(super) const fn opacity(key: &'static str) -> Typed<Opacity> {
@@ -43,7 +43,7 @@ impl Value<'_> for Opacity {
     }
 }
 
-/// A picture of normals.
+/// A picture or a named texture of normals.
 pub(super) struct NormalMap {
     pub normals: ColorTexture,
     /// How steep they are made.
@@ -57,6 +57,11 @@ impl Value<'_> for NormalMap {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<NormalMap> {
+        if let Some(named) = sources.named_texture(item, diagnostics, is_file) {
+            let NormalKeys { scale } =
+                name_with(item, diagnostics, |params| NormalKeys::read(params, sources))?;
+            return Some(NormalMap { normals: named?.color(sources.textures.nodes)?, scale });
+        }
         let (map, NormalKeys { scale }) =
             sources.picture(item, Some(Encoding::Linear), diagnostics, NormalKeys::read)?;
         Some(NormalMap { normals: sources.textures.nodes.color(map)?, scale })
@@ -112,6 +117,12 @@ impl Value<'_> for SurfaceLight {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<SurfaceLight> {
+        if item.function().is_some() {
+            let function = Args::read(item, diagnostics, Args::function)?;
+            let value = sources.textures.nodes.float(Expression { function, bounds: [0.0, f32::MAX] })?;
+            let slide = sources.textures.nodes.color(Grey { value, most: f32::MAX })?;
+            return Some(SurfaceLight { light: Emission::from_rgb([1.0; 3]), slide: Some(slide) });
+        }
         let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
         let (slide, factor, SlideKeys { light }) = match sources.named_texture(item, diagnostics, |_| true) {
             Some(named) => {
@@ -137,7 +148,12 @@ impl Value<'_> for SurfaceLight {
     }
 }
 
-/// The colours of a picture.
+/// Whether a word is the name of a file rather than that of a texture.
+fn is_file(word: &str) -> bool {
+    word.contains('.')
+}
+
+/// The colours of a picture or a named texture.
 pub(super) struct ColorPicture(pub ColorTexture);
 
 impl Value<'_> for ColorPicture {
@@ -147,6 +163,10 @@ impl Value<'_> for ColorPicture {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<ColorPicture> {
+        if let Some(named) = sources.named_texture(item, diagnostics, is_file) {
+            Args::read(item, diagnostics, |args| args.text())?;
+            return named?.color(sources.textures.nodes).map(ColorPicture);
+        }
         let (map, ()) = sources.picture(item, None, diagnostics, |_, _| Some(()))?;
         sources.textures.nodes.color(map).map(ColorPicture)
     }

@@ -56,6 +56,14 @@ const NO_TEXTURES: &[(&str, &str)] = &[
     ("Wood", "amplitude"),
 ];
 
+/// Whether a field may say a number or a colour.
+fn is_value(field: &FieldSpec) -> bool {
+    matches!(
+        field.kind,
+        FieldKind::Number { .. } | FieldKind::Color(_) | FieldKind::Reflectance | FieldKind::Emission
+    )
+}
+
 fn fields() -> impl Iterator<Item = (&'static Block, &'static FieldSpec)> {
     let of_block = |block: &'static Block| block.fields().map(move |field| (block, field));
     MATERIALS.iter().map(|member| &member.block).flat_map(of_block)
@@ -119,7 +127,7 @@ fn answer(scene: &Scene, x: f32) -> String {
 #[test]
 fn a_texture_is_at_each_place_the_number_that_it_has_there() {
     let mut tested = 0;
-    for (block, field) in fields().filter(|(_, field)| field.texture.is_some()) {
+    for (block, field) in fields().filter(|(_, field)| is_value(field) && field.texture.is_some()) {
         let (left, right, texture) = match field.kind {
             FieldKind::Number { min, .. } => {
                 let [lo, hi] = [min + 0.25, min + 0.75];
@@ -149,7 +157,7 @@ fn a_texture_is_at_each_place_the_number_that_it_has_there() {
 #[test]
 fn a_named_texture_is_at_each_place_what_it_is_there() {
     let mut tested = 0;
-    for (block, field) in fields().filter(|(_, field)| field.texture.is_some()) {
+    for (block, field) in fields().filter(|(_, field)| is_value(field) && field.texture.is_some()) {
         let (left, right, name) = match field.kind {
             FieldKind::Number { min, .. } => {
                 let [lo, hi] = [min + 0.25, min + 0.75];
@@ -190,14 +198,36 @@ fn a_function_is_at_each_place_the_number_that_it_has_there() {
     assert!(tested >= 20, "{tested}");
 }
 
+/// What only textures can say, such as reliefs, names may say as well as pictures.
+#[test]
+fn a_named_texture_stands_where_a_picture_may() {
+    let mut tested = 0;
+    // Slopes of pictures are differences of texels.
+    let pictures = fields().filter(|(_, field)| field.kind == FieldKind::Picture && field.key != "bump");
+    for (block, field) in pictures {
+        let [picture, name] =
+            ["halves.pfm { filter nearest }", "halves"].map(|value| answers(block, field, value));
+        assert_eq!(name, picture, "{} of {}", field.key, block.keyword);
+        tested += u32::from(name.is_ok());
+    }
+    assert!(tested >= 8, "{tested}");
+}
+
+/// Light that a function says, as bright as it is.
+#[test]
+fn a_function_is_the_light_of_a_surface() {
+    let fields: Vec<_> = fields().filter(|(_, field)| field.key == "emission").collect();
+    for &(block, field) in fields.iter().filter(|(block, _)| block.keyword == "Matte") {
+        let by_function = answers(block, field, "= 3 + 4 * step(x, 0)").unwrap();
+        let [seven, three] = ["7 7 7", "3 3 3"].map(|value| answers(block, field, value).unwrap());
+        assert_eq!(by_function, [seven[0].clone(), three[1].clone()]);
+        assert!(by_function[0].contains("[7.0, 7.0, 7.0]"), "{by_function:?}");
+    }
+    assert!(fields.len() >= 8, "{}", fields.len());
+}
+
 #[test]
 fn numbers_and_colours_of_materials_may_be_textures() {
-    let is_value = |field: &FieldSpec| {
-        matches!(
-            field.kind,
-            FieldKind::Number { .. } | FieldKind::Color(_) | FieldKind::Reflectance | FieldKind::Emission
-        )
-    };
     let others = fields().filter(|(_, field)| is_value(field) && field.texture.is_none());
     let others: Vec<_> = others.map(|(block, field)| (block.keyword, field.key)).collect();
     let mut expected = NO_TEXTURES.to_vec();

@@ -299,7 +299,9 @@ impl Layers {
 
     /// Whether light enters its glass anywhere.
     fn transmit(&self) -> bool {
-        self.subsurface.is_none() && self.metalness.share_range()[0] < 1.0 && self.transmission.share_range()[1] > 0.0
+        self.subsurface.is_none()
+            && self.metalness.share_range()[0] < 1.0
+            && self.transmission.share_range()[1] > 0.0
     }
 }
 

@@ -151,32 +151,44 @@ impl FloatNode for Curve {
 
 /// A number as a grey.
 #[derive(Clone, Copy, Debug)]
-pub struct Grey(pub FloatTexture);
+pub struct Grey {
+    /// The number.
+    pub value: FloatTexture,
+    /// The largest that it may be; 1 for a reflectance, more for a factor of light.
+    pub most: f32,
+}
+
+impl Grey {
+    /// The grey of a reflectance.
+    pub fn reflectance(value: FloatTexture) -> Grey {
+        Grey { value, most: 1.0 }
+    }
+}
 
 impl ColorNode for Grey {
     fn is_finite(&self) -> bool {
-        true
+        self.most >= 0.0 && self.most.is_finite()
     }
 
     fn parts(&self) -> Vec<AnyTexture<'_>> {
-        vec![self.0.into()]
+        vec![self.value.into()]
     }
 
     fn color_needs_uv(&self, textures: &Textures) -> bool {
-        self.0.needs_uv(textures)
+        self.value.needs_uv(textures)
     }
 
     fn color_detail(&self, textures: &Textures, found: &mut TextureDetail) {
-        self.0.detail(textures, found);
+        self.value.detail(textures, found);
     }
 
     fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
-        let value = self.0.at(textures.evaluator(at)).clamp(0.0, 1.0);
+        let value = self.value.at(textures.evaluator(at)).clamp(0.0, self.most);
         rgb_reflectance([value; 3], wavelengths)
     }
 
     fn color_mean(&self, textures: &Textures) -> [f32; 3] {
-        [self.0.mean(textures); 3]
+        [self.value.mean(textures); 3]
     }
 }
 
