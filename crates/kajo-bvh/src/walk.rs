@@ -194,12 +194,12 @@ pub(crate) fn descend(
         let (d, last) = next();
         stack.push(d);
         let waiting = stack.from(start);
-        let mut place = waiting.len() - 1;
-        while place > 0 && waiting[place - 1].0 < d.0 {
-            waiting[place] = waiting[place - 1];
-            place -= 1;
+        let mut index = waiting.len() - 1;
+        while index > 0 && waiting[index - 1].0 < d.0 {
+            waiting[index] = waiting[index - 1];
+            index -= 1;
         }
-        waiting[place] = d;
+        waiting[index] = d;
         if last {
             break;
         }

@@ -37,7 +37,7 @@ pub use basis::RgbBasis;
 pub use black_bodies::BlackBodies;
 pub use dispersion::Dispersion;
 pub use emission::Emission;
-pub use metal::Metal;
+pub use metal::MeasuredMetal;
 pub use reflectance::{Reflectance, Unbounded};
 pub use spectrum::Spectrum;
 pub use tabulated::{Outside, Tabulated};

@@ -25,23 +25,23 @@ const DOMINANT_NM: [f32; 3] = [611.4, 549.1, 464.2];
 
 /// The index of refraction and the extinction of a conductor, relative to vacuum.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Metal {
+pub struct MeasuredMetal {
     eta: Tabulated,
     k: Tabulated,
     eta_rgb: [f32; 3],
     k_rgb: [f32; 3],
 }
 
-impl Metal {
+impl MeasuredMetal {
     /// A metal by its two tables; negative values become zero.
-    pub fn new(eta: &Tabulated, k: &Tabulated) -> Metal {
+    pub fn new(eta: &Tabulated, k: &Tabulated) -> MeasuredMetal {
         let (eta, k) = (eta.map(non_negative), k.map(non_negative));
         let reflected = |nm: f32| f64::from(head_on(eta.at(nm), k.at(nm))) * f64::from(illuminant::d65(nm));
         let xyz = observer::xyz(&[eta.nm(), k.nm()].concat(), reflected);
         let colour = apply(&sensor::RGB_FROM_XYZ, xyz);
         let eta_rgb = DOMINANT_NM.map(|nm| eta.at(nm));
         let k_rgb = [0, 1, 2].map(|i| extinction(eta_rgb[i], colour[i] as f32));
-        Metal { eta, k, eta_rgb, k_rgb }
+        MeasuredMetal { eta, k, eta_rgb, k_rgb }
     }
 
     /// The index and the extinction in the lanes of a path.

@@ -4,7 +4,7 @@ use crate::data::{light_sources, metals};
 use crate::dispersion::{Dispersion, GLASSES};
 use crate::emission::Emission;
 use crate::illuminant;
-use crate::metal::Metal;
+use crate::metal::MeasuredMetal;
 use crate::tabulated::{Outside, Tabulated};
 
 /// The names of [`illuminant()`], in the order of the alphabet.
@@ -54,7 +54,7 @@ pub fn illuminant(name: &str) -> Option<Emission> {
 }
 
 /// The metal called `name`. Case does not count; `aluminum` is the same as `aluminium`.
-pub fn metal(name: &str) -> Option<Metal> {
+pub fn metal(name: &str) -> Option<MeasuredMetal> {
     let rows: &[[f32; 3]] = match name.to_ascii_lowercase().as_str() {
         "aluminium" | "aluminum" => &metals::ALUMINIUM,
         "chromium" => &metals::CHROMIUM,
@@ -66,7 +66,7 @@ pub fn metal(name: &str) -> Option<Metal> {
         _ => return None,
     };
     let column = |i: usize| Tabulated::new(rows.iter().map(|row| (row[0], row[i])), Outside::Clamp).ok();
-    Some(Metal::new(&column(1)?, &column(2)?))
+    Some(MeasuredMetal::new(&column(1)?, &column(2)?))
 }
 
 /// The index of the clear matter called `name`. Case does not count.

@@ -35,7 +35,7 @@ use crate::scene::{Geometry, Lighting, Output, Scene};
 use crate::settings::Settings;
 use crate::shape::ShapeId;
 
-pub use assemblies::Part;
+pub use assemblies::AssemblyPart;
 pub use error::SceneError;
 pub use frames::Rest;
 

@@ -42,7 +42,7 @@ const UNIT: f32 = 1e-5;
 
 /// What is put into a buffer.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Body {
+pub(crate) struct BufferedObject {
     /// Its name.
     pub object: ObjectId,
     /// Finite bounds.
@@ -108,9 +108,9 @@ impl ItemBuffer {
     /// A buffer around `apex`, or `None` when there is nothing to put in or the apex is not finite.
     ///
     /// * `cells`: how many directions to tell apart, about; more where the bodies are many
-    pub(crate) fn new(apex: Vec3, bodies: &[Body], cells: usize) -> Option<ItemBuffer> {
+    pub(crate) fn new(apex: Vec3, bodies: &[BufferedObject], cells: usize) -> Option<ItemBuffer> {
         let center = apex.as_dvec3();
-        let farthest = |b: &Body| {
+        let farthest = |b: &BufferedObject| {
             let (lo, hi) = (b.bounds.min.as_dvec3() - center, b.bounds.max.as_dvec3() - center);
             lo.abs().max(hi.abs()).length()
         };

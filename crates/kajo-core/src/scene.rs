@@ -36,7 +36,7 @@ pub use extent::Extent;
 pub use fitted::{Fitted, FittedCamera};
 pub use geometry::{Geometry, Primitive};
 pub use immersion::Immersion;
-pub use relativity::{LightRay, MAX_GAMMA, Observer, Relativity, RestFrame};
+pub use relativity::{CameraMotion, LightRay, MAX_GAMMA, Relativity, RestFrame};
 
 /// A scene ready to be rendered.
 #[derive(Debug)]

@@ -53,7 +53,7 @@ type Start = (FileId, usize);
 #[derive(Debug, Default)]
 pub struct Outline {
     nodes: Vec<Node>,
-    places: HashMap<NodeId, u32>,
+    indices: HashMap<NodeId, u32>,
 }
 
 impl Outline {
@@ -64,14 +64,14 @@ impl Outline {
 
     /// The node with this identity, if it is still there.
     pub fn get(&self, id: NodeId) -> Option<&Node> {
-        self.places.get(&id).map(|&place| &self.nodes[place as usize])
+        self.indices.get(&id).map(|&index| &self.nodes[index as usize])
     }
 
     /// The nodes directly in a block; those in no block for `None`.
     pub fn children(&self, parent: Option<NodeId>) -> impl Iterator<Item = &Node> {
         let range = match parent {
             None => 0..self.nodes.len() as u32,
-            Some(id) => self.places.get(&id).map_or(0..0, |&at| at + 1..self.nodes[at as usize].next),
+            Some(id) => self.indices.get(&id).map_or(0..0, |&at| at + 1..self.nodes[at as usize].next),
         };
         let mut at = range.start;
         std::iter::from_fn(move || {
@@ -83,21 +83,21 @@ impl Outline {
 
     /// The node and everything in it, in the order of the text.
     pub fn subtree(&self, id: NodeId) -> &[Node] {
-        self.places
+        self.indices
             .get(&id)
             .map_or(&[], |&at| &self.nodes[at as usize..self.nodes[at as usize].next as usize])
     }
 
     /// The node whose item has this number.
     pub(super) fn at_item(&self, item: u32) -> Option<&Node> {
-        let place = self.nodes.binary_search_by_key(&item, |node| node.item).ok()?;
-        Some(&self.nodes[place])
+        let index = self.nodes.binary_search_by_key(&item, |node| node.item).ok()?;
+        Some(&self.nodes[index])
     }
 
     /// The last node whose item does not come after this one.
     pub(super) fn last_up_to(&self, item: u32) -> Option<&Node> {
-        let place = self.nodes.partition_point(|node| node.item <= item).checked_sub(1)?;
-        Some(&self.nodes[place])
+        let index = self.nodes.partition_point(|node| node.item <= item).checked_sub(1)?;
+        Some(&self.nodes[index])
     }
 
     /// The innermost node that holds byte `at` of a file.
@@ -111,7 +111,7 @@ impl Outline {
     pub(super) fn keep_identities(&mut self, old: &Outline, moved: NodeId) {
         let new: Vec<NodeId> = missing_from(self, old).map(|node| node.id).collect();
         let was: Vec<NodeId> = old.subtree(moved).iter().map(|node| node.id).collect();
-        if new.len() != was.len() || was.iter().any(|id| self.places.contains_key(id)) {
+        if new.len() != was.len() || was.iter().any(|id| self.indices.contains_key(id)) {
             return;
         }
         let renamed: HashMap<NodeId, NodeId> = new.into_iter().zip(was).collect();
@@ -119,7 +119,7 @@ impl Outline {
             let rename = |id: NodeId| renamed.get(&id).copied().unwrap_or(id);
             (node.id, node.parent) = (rename(node.id), node.parent.map(rename));
         }
-        self.places = self.nodes.iter().zip(0..).map(|(node, place)| (node.id, place)).collect();
+        self.indices = self.nodes.iter().zip(0..).map(|(node, index)| (node.id, index)).collect();
     }
 }
 
@@ -188,7 +188,7 @@ impl Identities {
                 next: 0,
             };
             let at = outline.nodes.len() as u32;
-            outline.places.insert(id, at);
+            outline.indices.insert(id, at);
             outline.nodes.push(node);
             open.push(at);
         }
@@ -227,7 +227,7 @@ fn is_node(item: Item<'_>) -> bool {
 
 /// The nodes of `outline` that are not in `other`, in the order of the text.
 pub(super) fn missing_from<'a>(outline: &'a Outline, other: &'a Outline) -> impl Iterator<Item = &'a Node> {
-    outline.nodes.iter().filter(|node| !other.places.contains_key(&node.id))
+    outline.nodes.iter().filter(|node| !other.indices.contains_key(&node.id))
 }
 
 /// The nodes of `outline` that `change` does not lead to where they are in `other`, with where their texts begin.

@@ -105,8 +105,8 @@ impl Preview {
         let mut builder = Builder::new(scene, bounds);
         for (index, primitive) in (0..).zip(&scene.geometry.primitives) {
             let object = ObjectId::from_index(index);
-            let Some(place) = scene.snapshot_transform(object, 0.0) else { continue };
-            builder.add(object.number(), primitive.shape, &place, primitive.material);
+            let Some(transform) = scene.snapshot_transform(object, 0.0) else { continue };
+            builder.add(object.number(), primitive.shape, &transform, primitive.material);
         }
         for element in scene.geometry.nested_elements(|shape| builder.cost(shape), NESTED_TRIANGLES) {
             builder.add_element(&element);
@@ -176,15 +176,15 @@ impl<'a> Builder<'a> {
 
     fn add(&mut self, object: u32, id: ShapeId, transform: &Transform, material: MaterialId) {
         let scene = self.scene;
-        let place = transform.world_from_object;
+        let world_from_object = transform.world_from_object;
         if let Some(sphere) = Sphere::find(&scene.geometry.shapes, id) {
             let mesh = self.unit_sphere();
             let sized = Affine3A::from_scale(Vec3::splat(sphere.radius));
             let sphere = Affine3A::from_translation(sphere.center) * sized;
-            self.instance(mesh, object, place * sphere, material);
+            self.instance(mesh, object, world_from_object * sphere, material);
         } else if let Some(mesh) = Mesh::find(&scene.geometry.shapes, id) {
             for (part, own) in self.material_parts(id, mesh) {
-                self.instance(part, object, place, own.unwrap_or(material));
+                self.instance(part, object, world_from_object, own.unwrap_or(material));
             }
         } else {
             let mut triangles = Tessellation::default();
@@ -399,15 +399,15 @@ fn white_vertices(triangles: &Tessellation) -> Vec<Vertex> {
 fn compact(mesh: PreviewMesh) -> PreviewMesh {
     let mut places = vec![u32::MAX; mesh.vertices.len()];
     let mut vertices = Vec::new();
-    let mut place = |i: u32| {
-        let place = &mut places[i as usize];
-        if *place == u32::MAX {
-            *place = vertices.len() as u32;
+    let mut slot_of = |i: u32| {
+        let slot = &mut places[i as usize];
+        if *slot == u32::MAX {
+            *slot = vertices.len() as u32;
             vertices.push(mesh.vertices[i as usize]);
         }
-        *place
+        *slot
     };
-    let indices = mesh.indices.iter().map(|&i| place(i)).collect();
+    let indices = mesh.indices.iter().map(|&i| slot_of(i)).collect();
     PreviewMesh { vertices, indices }
 }
 

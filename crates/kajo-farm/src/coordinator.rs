@@ -78,7 +78,7 @@ pub trait Start: Sync {
     ///
     /// # Errors
     /// [`Loss`]
-    fn start(&self, place: usize) -> Result<Box<dyn Worker + '_>, Loss>;
+    fn start(&self, slot: usize) -> Result<Box<dyn Worker + '_>, Loss>;
 }
 
 /// Who is told how far a stage is. Called from several threads.
@@ -125,13 +125,13 @@ pub fn coordinate(
     watch.done(shared.queue.lock().done, total, 0, 0);
     thread::scope(|scope| {
         let shared = &shared;
-        let places = workers.max(1).min(shared.queue.lock().waiting.len());
-        let started = (0..places).filter(|&place| {
-            let work = move || shared.work(place);
-            let builder = thread::Builder::new().name(format!("worker-{place}"));
+        let slots = workers.max(1).min(shared.queue.lock().waiting.len());
+        let started = (0..slots).filter(|&slot| {
+            let work = move || shared.work(slot);
+            let builder = thread::Builder::new().name(format!("worker-{slot}"));
             builder.spawn_scoped(scope, work).is_ok()
         });
-        if started.count() == 0 && places > 0 {
+        if started.count() == 0 && slots > 0 {
             shared.stop(FarmError::Input("the system gives no threads to talk to workers".to_owned()));
         }
         shared.oversee();
@@ -224,39 +224,39 @@ impl State {
 
 impl Shared<'_> {
     /// What one place does.
-    fn work(&self, place: usize) {
+    fn work(&self, slot: usize) {
         let mut worker: Option<Box<dyn Worker + '_>> = None;
         while let Some(unit) = self.queue.next() {
-            self.hold(place, Box::new(|| ()));
+            self.hold(slot, Box::new(|| ()));
             let mut ready = match worker.take() {
                 Some(ready) => ready,
-                None => match self.start.start(place) {
+                None => match self.start.start(slot) {
                     Ok(started) => started,
                     Err(loss) => {
-                        self.not_started(place, unit, loss);
+                        self.not_started(slot, unit, loss);
                         continue;
                     }
                 },
             };
-            self.hold(place, ready.end());
+            self.hold(slot, ready.end());
             let since = Instant::now();
             let task = Task { stage: self.stage, unit, position: Arc::clone(&self.position) };
             match ready.render(&task).and_then(|reply| self.received(unit, reply)) {
                 Ok(reply) => {
                     worker = Some(ready);
-                    self.finished(place, &reply, since.elapsed());
+                    self.finished(slot, &reply, since.elapsed());
                 }
-                Err(loss) => self.lost(place, unit, loss),
+                Err(loss) => self.lost(slot, unit, loss),
             }
         }
     }
 
-    fn hold(&self, place: usize, end: Box<dyn Fn() + Send + Sync>) {
+    fn hold(&self, slot: usize, end: Box<dyn Fn() + Send + Sync>) {
         let mut state = self.queue.lock();
         if state.stopped.is_some() {
             end();
         }
-        state.running.insert(place, Running { since: Instant::now(), end, overdue: false });
+        state.running.insert(slot, Running { since: Instant::now(), end, overdue: false });
     }
 
     /// Publishes what a worker brought.
@@ -272,9 +272,9 @@ impl Shared<'_> {
         Ok(Reply { bytes: Vec::new(), ..reply })
     }
 
-    fn finished(&self, place: usize, reply: &Reply, took: Duration) {
+    fn finished(&self, slot: usize, reply: &Reply, took: Duration) {
         let mut state = self.queue.lock();
-        state.running.remove(&place);
+        state.running.remove(&slot);
         state.took.push(took);
         (state.done, state.refused) = (state.done + 1, 0);
         state.samples += reply.samples;
@@ -284,9 +284,9 @@ impl Shared<'_> {
     }
 
     /// A unit comes back without a result.
-    fn lost(&self, place: usize, unit: u64, loss: Loss) {
+    fn lost(&self, slot: usize, unit: u64, loss: Loss) {
         let mut state = self.queue.lock();
-        let overdue = state.running.remove(&place).is_some_and(|running| running.overdue);
+        let overdue = state.running.remove(&slot).is_some_and(|running| running.overdue);
         let loss = match loss {
             Loss::Worker(text) if overdue => Loss::Unit(format!("it took too long: {text}")),
             loss => loss,
@@ -325,11 +325,11 @@ impl Shared<'_> {
     }
 
     /// A worker could not even be started.
-    fn not_started(&self, place: usize, unit: u64, loss: Loss) {
+    fn not_started(&self, slot: usize, unit: u64, loss: Loss) {
         /// In a row, before it is no accident.
         const MOST: usize = 5;
         let mut state = self.queue.lock();
-        state.running.remove(&place);
+        state.running.remove(&slot);
         state.waiting.push_front(unit);
         state.refused += 1;
         if state.stopped.is_none() {

@@ -17,7 +17,7 @@ pub struct Image {
 
 /// Pixels `x .. x + width`, `y .. y + height`; `y` counts from the top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rect {
+pub struct Crop {
     /// Left column.
     pub x: u32,
     /// Top row.
@@ -187,7 +187,7 @@ impl Image {
     ///
     /// # Errors
     /// [`ImageError::Parameter`] when `rect` is empty or leaves the picture.
-    pub fn crop(&self, rect: Rect) -> Result<Self, ImageError> {
+    pub fn crop(&self, rect: Crop) -> Result<Self, ImageError> {
         self.check_inside(rect)?;
         let mut part = Self::new(rect.width, rect.height, self.channels)?;
         let from = rect.x as usize * self.channels;
@@ -203,7 +203,7 @@ impl Image {
     /// # Errors
     /// [`ImageError::Parameter`] when the tile leaves the picture or has other channels.
     pub fn blit(&mut self, tile: &Self, x: u32, y: u32) -> Result<(), ImageError> {
-        self.check_inside(Rect { x, y, width: tile.width, height: tile.height })?;
+        self.check_inside(Crop { x, y, width: tile.width, height: tile.height })?;
         if tile.channels != self.channels {
             let (a, b) = (tile.channels, self.channels);
             return Err(ImageError::parameter(format!("a tile of {a} channels in a picture of {b}")));
@@ -269,7 +269,7 @@ impl Image {
         (y as usize * self.width as usize + x as usize) * self.channels
     }
 
-    fn check_inside(&self, rect: Rect) -> Result<(), ImageError> {
+    fn check_inside(&self, rect: Crop) -> Result<(), ImageError> {
         let fits = |start: u32, len: u32, side: u32| u64::from(start) + u64::from(len) <= u64::from(side);
         if fits(rect.x, rect.width, self.width) && fits(rect.y, rect.height, self.height) {
             return Ok(());
@@ -322,7 +322,7 @@ mod tests {
     #[test]
     fn crop_and_blit_are_inverse() {
         let image = coordinates(5, 4);
-        let rect = Rect { x: 1, y: 2, width: 3, height: 2 };
+        let rect = Crop { x: 1, y: 2, width: 3, height: 2 };
         let part = image.crop(rect).unwrap();
         assert_eq!(part.pixel(0, 0), [1.0, 2.0]);
         assert_eq!(part.pixel(2, 1), [3.0, 3.0]);
@@ -339,7 +339,7 @@ mod tests {
         let image = coordinates(5, 4);
         for rect in [(3, 0, 3, 1), (0, 3, 1, 2), (u32::MAX, 0, 2, 1), (0, 0, 0, 1)] {
             let (x, y, width, height) = rect;
-            assert!(image.crop(Rect { x, y, width, height }).is_err(), "{rect:?}");
+            assert!(image.crop(Crop { x, y, width, height }).is_err(), "{rect:?}");
         }
         let mut canvas = Image::new(5, 4, 3).unwrap();
         assert!(canvas.blit(&image, 0, 0).is_err(), "channels differ");

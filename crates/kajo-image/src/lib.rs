@@ -33,6 +33,6 @@ pub use decoded::Decoded;
 pub use encode_options::EncodeOptions;
 pub use error::ImageError;
 pub use format::Format;
-pub use image::{Image, Rect};
+pub use image::{Crop, Image};
 pub use limits::DecodeLimits;
 pub use quantise::{BitDepth, Quantiser, Rounding, Transfer};

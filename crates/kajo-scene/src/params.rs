@@ -255,8 +255,8 @@ impl<'a, 'd> Params<'a, 'd> {
             let diagnostic = if self.later.contains(&child.item.keyword()) {
                 not_supported_yet(child.item)
             } else {
-                let place = self.item.map(|item| item.keyword());
-                unknown_word(child.item, place, self.asked.iter().copied())
+                let parent = self.item.map(|item| item.keyword());
+                unknown_word(child.item, parent, self.asked.iter().copied())
             };
             self.diagnostics.push(diagnostic);
         }
@@ -322,16 +322,16 @@ impl<'a, 'd> Params<'a, 'd> {
     }
 }
 
-/// The error for an item whose keyword means nothing in `place` (`None`: outside
+/// The error for an item whose keyword means nothing in `parent` (`None`: outside
 /// of all blocks), with the nearest of the words allowed there, or all of them.
 pub fn unknown_word<'w>(
     item: Item<'_>,
-    place: Option<&str>,
+    parent: Option<&str>,
     allowed: impl Iterator<Item = &'w str> + Clone,
 ) -> Diagnostic {
     let word = quoted(item.keyword());
-    let message = match place {
-        Some(place) => format!("unknown word {word} in `{place}`"),
+    let message = match parent {
+        Some(parent) => format!("unknown word {word} in `{parent}`"),
         None => format!("unknown word {word}"),
     };
     let help = match nearest(item.keyword(), allowed.clone()) {

@@ -68,7 +68,7 @@ pub struct NamedValue {
 /// A number that is written as an expression.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expression {
-    pub place: Span,
+    pub span: Span,
     /// The value that it names, if it is a name and nothing else.
     pub value: Option<u32>,
 }
@@ -129,7 +129,7 @@ impl SceneDesc {
 
     /// The numbers that are written as expressions, where they stand, and the named value where they are its name alone.
     pub fn expressions(&self) -> impl Iterator<Item = (Span, Option<NamedValue>)> {
-        self.expressions.iter().map(|found| (found.place, found.value.map(|i| self.values[i as usize])))
+        self.expressions.iter().map(|found| (found.span, found.value.map(|i| self.values[i as usize])))
     }
 
     /// The blocks of keys, in the order of the text.

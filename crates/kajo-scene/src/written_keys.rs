@@ -12,7 +12,7 @@ use crate::source::Span;
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenKeys {
     /// From the word `keys` to the closing brace.
-    pub place: Span,
+    pub span: Span,
     /// What the numbers belong to.
     pub owner: KeysOwner,
     /// How numbers go from key to key.

@@ -2,7 +2,7 @@
 
 pub use kajo_color::{Dispersion, Emission, Reflectance, Spectrum};
 pub use kajo_core::background::Background;
-pub use kajo_core::builder::{BuildSettings, Part, PartContent, SceneBuilder, SceneError};
+pub use kajo_core::builder::{AssemblyPart, BuildSettings, PartContent, SceneBuilder, SceneError};
 pub use kajo_core::emission::SurfaceEmission;
 pub use kajo_core::ids::{AssemblyId, LightGroup, LightIndex, ObjectId, PoseId};
 pub use kajo_core::medium::Fog;

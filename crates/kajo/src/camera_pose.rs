@@ -313,23 +313,23 @@ impl CameraPose {
     }
 
     /// The ray through a place of a picture of `size` pixels, from the middle of the lens.
-    pub fn ray(&self, place: DVec2, size: [u32; 2]) -> Option<Ray> {
+    pub fn ray(&self, position: DVec2, size: [u32; 2]) -> Option<Ray> {
         let raster = self.raster(size);
-        self.still.ray(raster.picture(place.as_vec2()), raster.aspect(), Vec2::splat(0.5), 0.0)
+        self.still.ray(raster.picture(position.as_vec2()), raster.aspect(), Vec2::splat(0.5), 0.0)
     }
 
-    /// The place in a picture of another size where the camera looks the way it does at `place` in one of size `of`.
+    /// The place in a picture of another size where the camera looks the way it does at `position` in one of size `of`.
     ///
     /// Pictures of another shape show more or less at their sides. For two eyes, and where the camera sees nothing, it is
     /// the same share of the picture.
-    pub fn position_in(&self, place: DVec2, of: [u32; 2], to: [u32; 2]) -> DVec2 {
+    pub fn position_in(&self, position: DVec2, of: [u32; 2], to: [u32; 2]) -> DVec2 {
         if of == to {
-            return place;
+            return position;
         }
         let pixels = |size: [u32; 2]| DVec2::new(size[0].max(1).into(), size[1].max(1).into());
-        let ray = self.ray(place, of);
+        let ray = self.ray(position, of);
         let seen = ray.and_then(|ray| self.project(ray.o.as_dvec3() + ray.d.as_dvec3(), to));
-        seen.unwrap_or(place * pixels(to) / pixels(of))
+        seen.unwrap_or(position * pixels(to) / pixels(of))
     }
 
     /// Whether another camera stands there, looks the same way and sees as much.

@@ -85,22 +85,22 @@ impl Curve<'_> {
     }
 
     fn flatten(self, upper: Upper, forest: &mut Forest) -> Box4 {
-        let place = forest.stems.len();
+        let index = forest.stems.len();
         match upper {
             Upper::Grove(grove) => forest.push(grove),
             Upper::Node(children) => {
                 forest.stems.push(Stem::new(Box4::EMPTY, Next::Right(0)));
                 let [left, right] = *children;
                 let left = self.flatten(left, forest);
-                forest.stems[place].next = Next::Right(forest.stems.len() as u32);
-                forest.stems[place].bounds = left.union(self.flatten(right, forest));
+                forest.stems[index].next = Next::Right(forest.stems.len() as u32);
+                forest.stems[index].bounds = left.union(self.flatten(right, forest));
             }
         }
-        forest.stems[place].bounds
+        forest.stems[index].bounds
     }
 
     fn grow(self, keys: &[Key], grove: &mut Grove, depth: usize) -> Box4 {
-        let place = grove.twigs.len();
+        let index = grove.twigs.len();
         grove.twigs.push(Twig::new(Box4::EMPTY, keys.len()));
         let bounds = if keys.len() <= self.block {
             let prims = keys.iter().map(|key| &self.prims[key.1 as usize]);
@@ -109,10 +109,10 @@ impl Curve<'_> {
         } else {
             let (left, right) = split(keys, self.block << (TASK_LEVELS - depth - 1));
             let left = self.grow(left, grove, depth + 1);
-            grove.twigs[place].right = grove.twigs.len() as u16;
+            grove.twigs[index].right = grove.twigs.len() as u16;
             left.union(self.grow(right, grove, depth + 1))
         };
-        grove.twigs[place].set_bounds(bounds);
+        grove.twigs[index].set_bounds(bounds);
         bounds
     }
 }

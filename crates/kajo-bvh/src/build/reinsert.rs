@@ -152,35 +152,35 @@ impl Links {
         let (mut count, most) = TOGETHER;
         while !nodes.is_empty() {
             let (now, later) = nodes.split_at(count.min(nodes.len()));
-            let place = |waiting: &mut Vec<_>, &node: &u32| self.better_position(node, waiting);
-            let places: Vec<_> = now.par_iter().with_min_len(16).map_init(Vec::new, place).collect();
-            for (&node, place) in now.iter().zip(places) {
-                if let Some(place) = place.filter(|&place| self.gain(node, place) > 0.0) {
-                    self.reinsert(node, place);
+            let target_of = |waiting: &mut Vec<_>, &node: &u32| self.better_position(node, waiting);
+            let targets: Vec<_> = now.par_iter().with_min_len(16).map_init(Vec::new, target_of).collect();
+            for (&node, target) in now.iter().zip(targets) {
+                if let Some(target) = target.filter(|&target| self.gain(node, target) > 0.0) {
+                    self.reinsert(node, target);
                 }
             }
             (nodes, count) = (later, most.min(2 * count));
         }
     }
 
-    /// How much less the tree costs with `node` beside `place`; nothing where it cannot go there.
-    fn gain(&self, node: u32, place: u32) -> f32 {
+    /// How much less the tree costs with `node` beside `target`; nothing where it cannot go there.
+    fn gain(&self, node: u32, target: u32) -> f32 {
         let (parent, bounds) = (self.parent(node), self.bounds[node as usize]);
         let Some(sibling) = self.sibling(node).filter(|_| parent != ROOT) else { return 0.0 };
-        if [node, parent, sibling].contains(&place) {
+        if [node, parent, sibling].contains(&target) {
             return 0.0;
         }
         // Up to the lowest node that is above both, boxes shrink on one side and grow on the other.
-        let (mut from, mut to) = (parent, place);
-        let (mut depth_from, mut depth_to) = (self.depth_of(parent), self.depth_of(place));
+        let (mut from, mut to) = (parent, target);
+        let (mut depth_from, mut depth_to) = (self.depth_of(parent), self.depth_of(target));
         let mut rest = self.bounds[sibling as usize];
-        let mut gain = self.area(parent) - self.bounds[place as usize].union(bounds).half_area();
+        let mut gain = self.area(parent) - self.bounds[target as usize].union(bounds).half_area();
         while from != to {
             if depth_to >= depth_from {
                 if to == node {
                     return 0.0;
                 }
-                if to != place {
+                if to != target {
                     let grown = self.bounds[to as usize].union(bounds);
                     gain -= grown.half_area() - self.area(to);
                 }
@@ -210,8 +210,8 @@ impl Links {
     fn improve(&mut self, nodes: &[u32]) {
         let mut waiting = Vec::new();
         for &node in nodes {
-            if let Some(place) = self.better_position(node, &mut waiting) {
-                self.reinsert(node, place);
+            if let Some(target) = self.better_position(node, &mut waiting) {
+                self.reinsert(node, target);
             }
         }
     }
@@ -242,18 +242,18 @@ impl Links {
         let mut rest = self.bounds[old_sibling as usize];
         loop {
             waiting.push((won, sibling));
-            while let Some((won, place)) = waiting.pop() {
+            while let Some((won, target)) = waiting.pop() {
                 if won - area <= most {
                     continue;
                 }
-                let left = won - self.bounds[place as usize].union(bounds).half_area();
+                let left = won - self.bounds[target as usize].union(bounds).half_area();
                 if left > most {
-                    (best, most) = (Some(place), left);
+                    (best, most) = (Some(target), left);
                 }
-                let won = left + self.area(place);
+                let won = left + self.area(target);
                 // What could not be taken now will not be later.
                 if won - area > most
-                    && let Some([a, b]) = self.children[place as usize]
+                    && let Some([a, b]) = self.children[target as usize]
                 {
                     waiting.extend([(won, a), (won, b)]);
                 }
@@ -268,20 +268,20 @@ impl Links {
             sibling = self.sibling(pivot)?;
             pivot = self.parent(pivot);
         }
-        best.filter(|&place| place != old_sibling)
+        best.filter(|&target| target != old_sibling)
     }
 
-    /// Takes `node` out and puts it beside `place`, which is neither its parent nor below it.
-    fn reinsert(&mut self, node: u32, place: u32) {
+    /// Takes `node` out and puts it beside `target`, which is neither its parent nor below it.
+    fn reinsert(&mut self, node: u32, target: u32) {
         let parent = self.parent(node);
         let Some(sibling) = self.sibling(node) else { return };
         let grandparent = self.parent(parent);
         self.replace(grandparent, parent, sibling);
         self.refit(grandparent);
-        let above = self.parent(place);
-        self.replace(above, place, parent);
-        self.children[parent as usize] = Some([place, node]);
-        self.parents[place as usize] = parent;
+        let above = self.parent(target);
+        self.replace(above, target, parent);
+        self.children[parent as usize] = Some([target, node]);
+        self.parents[target as usize] = parent;
         self.refit(parent);
     }
 
@@ -336,7 +336,7 @@ impl Links {
 
     /// Adds the subtree at `node` to the stems; what is small enough gets a grove of its own.
     fn emit_stem<'a>(&self, node: u32, sizes: &[usize], out: &mut Forest, leaf: &impl Fn(u32) -> &'a [u32]) {
-        let (place, children) = (out.stems.len(), self.children[node as usize]);
+        let (index, children) = (out.stems.len(), self.children[node as usize]);
         match children.filter(|_| sizes[node as usize] > TASK) {
             None => {
                 let mut grove = Grove::default();
@@ -346,7 +346,7 @@ impl Links {
             Some([a, b]) => {
                 out.stems.push(Stem::new(self.bounds[node as usize], Next::Right(0)));
                 self.emit_stem(a, sizes, out, leaf);
-                out.stems[place].next = Next::Right(out.stems.len() as u32);
+                out.stems[index].next = Next::Right(out.stems.len() as u32);
                 self.emit_stem(b, sizes, out, leaf);
             }
         }
@@ -354,13 +354,13 @@ impl Links {
 
     /// Adds the subtree at `node` to a grove.
     fn emit<'a>(&self, node: u32, sizes: &[usize], out: &mut Grove, leaf: &impl Fn(u32) -> &'a [u32]) {
-        let place = out.twigs.len();
+        let index = out.twigs.len();
         out.twigs.push(Twig::new(self.bounds[node as usize], sizes[node as usize]));
         match self.children[node as usize] {
             None => out.ids.extend(leaf(node)),
             Some([a, b]) => {
                 self.emit(a, sizes, out, leaf);
-                out.twigs[place].right = out.twigs.len() as u16;
+                out.twigs[index].right = out.twigs.len() as u16;
                 self.emit(b, sizes, out, leaf);
             }
         }
@@ -368,11 +368,11 @@ impl Links {
 
     /// Adds stems for the subtree at `node`; its leaves stay where they are.
     fn emit_top(&self, node: u32, out: &mut Vec<Stem>) {
-        let (place, bounds) = (out.len(), self.bounds[node as usize]);
+        let (index, bounds) = (out.len(), self.bounds[node as usize]);
         out.push(Stem::new(bounds, Next::Twig(self.spots[node as usize])));
         if let Some([a, b]) = self.children[node as usize] {
             self.emit_top(a, out);
-            out[place].next = Next::Right(out.len() as u32);
+            out[index].next = Next::Right(out.len() as u32);
             self.emit_top(b, out);
         }
     }
@@ -444,14 +444,14 @@ mod tests {
         let mut links = Links::new(&forest(600), usize::MAX);
         let (n, mut moved) = (links.bounds.len() as u32, 0);
         for i in 0..20_000u32 {
-            let (node, place) = (i.wrapping_mul(2_654_435_761) % n, i.wrapping_mul(40_503) / 7 % n);
-            if node == ROOT || place == ROOT {
+            let (node, target) = (i.wrapping_mul(2_654_435_761) % n, i.wrapping_mul(40_503) / 7 % n);
+            if node == ROOT || target == ROOT {
                 continue;
             }
-            let gain = links.gain(node, place);
+            let gain = links.gain(node, target);
             if gain > 0.0 {
                 let before = sum(&links);
-                links.reinsert(node, place);
+                links.reinsert(node, target);
                 let saved = before - sum(&links);
                 // Beside a node above it, at least so much.
                 assert!(saved > 0.999 * f64::from(gain) - 1e-6 * before, "{saved} instead of {gain}");

@@ -11,7 +11,7 @@ use crate::shape::Shapes;
 
 /// A shape or another assembly in an assembly.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct AssemblyPart {
     /// What it is.
     pub content: PartContent,
     /// From its own space to that of the assembly; invertible.
@@ -30,7 +30,7 @@ impl SceneBuilder {
     /// [`SceneError::UnknownShape`], [`SceneError::UnknownAssembly`], [`SceneError::UnknownMaterial`],
     /// [`SceneError::NotFinite`], [`SceneError::NoInverse`], [`SceneError::UnboundedPart`],
     /// [`SceneError::MovingPart`], [`SceneError::EmissivePart`], [`SceneError::TooManyLevels`], [`SceneError::TooManyObjects`].
-    pub fn assembly(&mut self, parts: &[Part]) -> Result<AssemblyId, SceneError> {
+    pub fn assembly(&mut self, parts: &[AssemblyPart]) -> Result<AssemblyId, SceneError> {
         let mut members = Vec::with_capacity(parts.len());
         for part in parts {
             let kind = match part.content {
@@ -74,8 +74,8 @@ impl SceneBuilder {
     }
 
     /// A part as a member of an assembly, if it can be one.
-    pub(crate) fn member(&self, part: &Part, label: Label) -> Result<Member, SceneError> {
-        let &Part { content, map, material } = part;
+    pub(crate) fn member(&self, part: &AssemblyPart, label: Label) -> Result<Member, SceneError> {
+        let &AssemblyPart { content, map, material } = part;
         let (takes_material, brings_materials) = match content {
             PartContent::Shape(shape) => {
                 let bounds = self.geometry.shapes.bounds(shape);

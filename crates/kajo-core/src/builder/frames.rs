@@ -9,7 +9,7 @@ use kajo_math::lorentz::{FrameMap, SpacetimeEvent};
 use super::{SceneBuilder, SceneError, check_finite};
 use crate::ids::{FrameId, LightIndex, ObjectId};
 use crate::light::LightSampler;
-use crate::scene::{Geometry, MAX_GAMMA, Observer, Relativity, RestFrame};
+use crate::scene::{CameraMotion, Geometry, MAX_GAMMA, Relativity, RestFrame};
 
 /// Where things rest that are put into the scene next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub(super) struct Frames {
     objects: HashMap<usize, FrameId>,
     /// Of the lights that do not.
     lights: HashMap<usize, FrameId>,
-    observer: Observer,
+    observer: CameraMotion,
 }
 
 impl Frames {
@@ -144,8 +144,8 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// [`SceneError::NotFinite`], [`SceneError::Velocity`].
-    pub fn observe(&mut self, observer: Observer) -> Result<(), SceneError> {
-        check_finite(observer.velocity.is_finite() && observer.time.is_finite(), "Observer")?;
+    pub fn observe(&mut self, observer: CameraMotion) -> Result<(), SceneError> {
+        check_finite(observer.velocity.is_finite() && observer.time.is_finite(), "CameraMotion")?;
         let origin = SpacetimeEvent { t: 0.0, x: DVec3::ZERO };
         let gamma = FrameMap::boost(observer.velocity, origin).map(|map| map.gamma());
         if gamma.is_none_or(|gamma| gamma > MAX_GAMMA) {

@@ -72,7 +72,11 @@ fn strange() -> Strange {
     let mut other = SceneBuilder::default();
     let shape = other.shape(ball(1.0)).unwrap();
     let material = other.material(matte(0.5)).unwrap();
-    let part = Part { content: PartContent::Shape(shape), map: DAffine3::IDENTITY, material: Some(material) };
+    let part = AssemblyPart {
+        content: PartContent::Shape(shape),
+        map: DAffine3::IDENTITY,
+        material: Some(material),
+    };
     Strange {
         shape,
         material,
@@ -117,7 +121,8 @@ fn ids_of_another_scene_are_refused() {
     assert_eq!(scene.name_object(object, "moon"), Ok(()));
 
     let unknown = SceneError::UnknownAssembly(s.assembly);
-    let part = Part { content: PartContent::Assembly(s.assembly), map: DAffine3::IDENTITY, material: None };
+    let part =
+        AssemblyPart { content: PartContent::Assembly(s.assembly), map: DAffine3::IDENTITY, material: None };
     assert_eq!(scene.assembly(&[part]), Err(unknown.clone()));
     assert_eq!(scene.instance(s.assembly, &DAffine3::IDENTITY, None), Err(unknown));
     let unknown = SceneError::UnknownLightGroup(s.group);
@@ -196,11 +201,15 @@ fn what_cannot_be_is_refused() {
     scene.object(shape, grey, PoseId::IDENTITY).unwrap();
     assert_eq!(scene.object(shape, grey, PoseId::IDENTITY), Err(SceneError::TooManyObjects(1)));
 
-    let part =
-        |shape, material| [Part { content: PartContent::Shape(shape), map: DAffine3::IDENTITY, material }];
+    let part = |shape, material| {
+        [AssemblyPart { content: PartContent::Shape(shape), map: DAffine3::IDENTITY, material }]
+    };
     assert_eq!(scene.assembly(&part(plane, Some(grey))), Err(SceneError::UnboundedPart));
     assert_eq!(scene.assembly(&part(shape, Some(warm))), Err(SceneError::EmissivePart));
-    assert_eq!(scene.assembly(&[Part { map: flat, ..part(shape, None)[0] }]), Err(SceneError::NoInverse));
+    assert_eq!(
+        scene.assembly(&[AssemblyPart { map: flat, ..part(shape, None)[0] }]),
+        Err(SceneError::NoInverse)
+    );
     let slot = scene.mesh_material(warm).unwrap();
     let bright = scene.shape(triangle(slot)).unwrap();
     assert_eq!(scene.assembly(&part(bright, Some(grey))), Err(SceneError::EmissivePart));
@@ -210,7 +219,7 @@ fn what_cannot_be_is_refused() {
     assert_eq!(scene.instance(bare, at, Some(warm)), Err(SceneError::EmissivePart));
     assert_eq!(scene.instance(bare, &flat, Some(grey)), Err(SceneError::NoInverse));
     let mut tower = bare;
-    let up = |assembly| [Part { content: PartContent::Assembly(assembly), ..part(shape, None)[0] }];
+    let up = |assembly| [AssemblyPart { content: PartContent::Assembly(assembly), ..part(shape, None)[0] }];
     for _ in 1..crate::nested::MOST_LEVELS {
         tower = scene.assembly(&up(tower)).unwrap();
     }
@@ -245,12 +254,13 @@ fn a_scene_has_what_was_pushed() {
     let spins = scene.motion(turning()).unwrap();
     let objects = [PoseId::IDENTITY, aside, spins].map(|pose| scene.object(shape, grey, pose).unwrap());
     scene.name_object(objects[1], "moon").unwrap();
-    let part = Part {
+    let part = AssemblyPart {
         content: PartContent::Shape(shape),
         map: DAffine3::from_translation(DVec3::Y * 3.0),
         material: None,
     };
-    let pair = scene.assembly(&[part, Part { map: DAffine3::from_translation(DVec3::Y * 6.0), ..part }]);
+    let pair =
+        scene.assembly(&[part, AssemblyPart { map: DAffine3::from_translation(DVec3::Y * 6.0), ..part }]);
     scene.instance(pair.unwrap(), &DAffine3::IDENTITY, Some(white)).unwrap();
     let key = scene.light_group("key").unwrap();
     assert_eq!(scene.light(point(1.0)).map(LightIndex::index), Ok(0));

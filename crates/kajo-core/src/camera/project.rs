@@ -149,13 +149,13 @@ mod tests {
                 let at = 2.0 * Vec2::new(s.uniform(0), s.uniform(1)) - 1.0;
                 let ray = camera.ray(at, aspect, Vec2::splat(0.5), 0.0).unwrap();
                 let p = ray.o.as_dvec3() + f64::from(0.5 + 9.0 * s.uniform(2)) * ray.d.as_dvec3();
-                let found = camera.projections(p, aspect.into(), 0.0).map(|place| place.unwrap());
-                let nearest = found.map(|place| place.distance(at.as_dvec2()));
+                let found = camera.projections(p, aspect.into(), 0.0).map(|position| position.unwrap());
+                let nearest = found.map(|position| position.distance(at.as_dvec2()));
                 assert!(nearest[0].min(nearest[1]) < 1e-4, "{camera:?}: {found:?} for {at}");
-                for place in found {
-                    let ray = camera.ray(place.as_vec2(), aspect, Vec2::splat(0.5), 0.0).unwrap();
+                for position in found {
+                    let ray = camera.ray(position.as_vec2(), aspect, Vec2::splat(0.5), 0.0).unwrap();
                     let beside = (p - ray.o.as_dvec3()).cross(ray.d.as_dvec3()).length();
-                    assert!(beside < 1e-4, "{camera:?}: {place} misses by {beside}");
+                    assert!(beside < 1e-4, "{camera:?}: {position} misses by {beside}");
                     seen += 1;
                 }
             }

@@ -72,12 +72,12 @@ mod tests {
     fn places_go_both_ways() {
         for (corner_samples, spans_width) in [(false, false), (true, false), (false, true), (true, true)] {
             let raster = Raster { size: [40, 30], corner_samples, spans_width };
-            for place in [Vec2::new(0.5, 0.5), Vec2::new(13.25, 29.0), Vec2::new(39.5, 2.0)] {
-                let at = raster.picture(place).as_dvec2();
-                assert!(raster.film_position(at).distance(place.as_dvec2()) < 1e-5);
+            for position in [Vec2::new(0.5, 0.5), Vec2::new(13.25, 29.0), Vec2::new(39.5, 2.0)] {
+                let at = raster.picture(position).as_dvec2();
+                assert!(raster.film_position(at).distance(position.as_dvec2()) < 1e-5);
                 let [w, h] = [40.0, 30.0];
                 let over_film =
-                    DVec2::new(2.0 * f64::from(place.x) / w - 1.0, 1.0 - 2.0 * f64::from(place.y) / h);
+                    DVec2::new(2.0 * f64::from(position.x) / w - 1.0, 1.0 - 2.0 * f64::from(position.y) / h);
                 assert!((at * raster.reach()).distance(over_film) < 1e-6);
             }
         }

@@ -31,14 +31,14 @@ impl Compiler<'_> {
         &mut self,
         text: Option<BlobText<'_>>,
         item: Item<'_>,
-        place: &mut CurrentTransform,
-        walk: &mut GraphicsState,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
     ) {
         let Some(BlobText { kernel, threshold, components }) = text else {
-            return self.put_shape(None, item, place, walk);
+            return self.put_shape(None, item, ctm, state);
         };
         let mixes = components.iter().any(|component| component.material.is_some());
-        let materials = if mixes { self.blob_materials(&components, item, walk) } else { Some(Vec::new()) };
+        let materials = if mixes { self.blob_materials(&components, item, state) } else { Some(Vec::new()) };
         let Some(materials) = materials else { return };
         let mixed = distinct(&materials);
         let number = |i: usize| {
@@ -50,10 +50,10 @@ impl Compiler<'_> {
             shapes.map(|(i, component)| BlobComponent { material: number(i), ..component.shape }).collect();
         let shape = Blob::new(kernel, threshold, &shapes).and_then(|blob| self.shape(item, blob));
         if !mixes {
-            return self.put_shape(shape, item, place, walk);
+            return self.put_shape(shape, item, ctm, state);
         }
         let material = self.mixture(&mixed, item);
-        self.put_made_of(material, shape, item, place, walk);
+        self.put_made_of(material, shape, item, ctm, state);
     }
 
     /// The material of each component; `None` when a mistake was reported.
@@ -61,7 +61,7 @@ impl Compiler<'_> {
         &mut self,
         components: &[ComponentText<'_>],
         item: Item<'_>,
-        walk: &GraphicsState,
+        state: &GraphicsState,
     ) -> Option<Vec<MaterialId>> {
         let mut materials: Vec<Option<MaterialId>> = Vec::with_capacity(components.len());
         for component in components {
@@ -75,10 +75,10 @@ impl Compiler<'_> {
                 }
                 Some(reference) => self.material(reference),
                 // It has no share.
-                None if takes_away => materials.first().copied().flatten().or(walk.material),
-                None if walk.material.is_some() => walk.material,
+                None if takes_away => materials.first().copied().flatten().or(state.material),
+                None if state.material.is_some() => state.material,
                 None => {
-                    if !walk.material_failed {
+                    if !state.material_failed {
                         let error = Diagnostic::error("this component has no material, and others have one");
                         let error = error.label(component.item.head_span(), "of what is it made?");
                         let help =
@@ -101,17 +101,17 @@ impl Compiler<'_> {
 
     /// A mixture of materials by the surface coordinates of a blob that has them in this order.
     fn mixture(&mut self, materials: &[MaterialId], item: Item<'_>) -> Option<MaterialId> {
-        let place = item.head_span();
+        let span = item.head_span();
         let (&first, others) = materials.split_first()?;
         let mut mixed = first;
         for (i, &material) in others.iter().enumerate() {
             let set = if i < 2 { UvSet::First } else { UvSet::Second };
             let share = SurfaceShare { set, axis: i % 2, mean: 1.0 / (i as f32 + 2.0) };
             let amount = self.scene.float_texture(share);
-            let amount = self.accepted(amount, place)?;
-            mixed = self.store_material(Blend { amount, materials: [mixed, material] }, place)?;
+            let amount = self.accepted(amount, span)?;
+            mixed = self.store_material(Blend { amount, materials: [mixed, material] }, span)?;
         }
-        self.has_memory_for_materials(place).then_some(mixed)
+        self.has_memory_for_materials(span).then_some(mixed)
     }
 }
 

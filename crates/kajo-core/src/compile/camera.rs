@@ -15,7 +15,7 @@ use super::member::keywords;
 use super::{Compiler, motion};
 use crate::camera::{Camera, CameraFrame, OrthographicCamera};
 use crate::motion::{MovingTransform, Shutter};
-use crate::scene::Observer;
+use crate::scene::CameraMotion;
 
 /// Words that make a camera.
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
@@ -35,7 +35,7 @@ pub(super) struct CameraRequest<'a> {
     pub shutter: Shutter,
     pub readout: f32,
     /// How it moves, and when, in a world that has a speed of light.
-    pub observer: Observer,
+    pub observer: CameraMotion,
     /// Whether `up` is taken as it stands.
     pub raw_up: bool,
     /// Columns and rows of the picture, where the camera says them.
@@ -71,7 +71,7 @@ impl<'a> Compiler<'_> {
         })?;
         let ShutterKeys { shutter, rolling: readout, velocity: Velocity(velocity), world_time } = keys?;
         let shutter = self.exposure(shutter);
-        let observer = Observer { velocity, time: world_time.into() };
+        let observer = CameraMotion { velocity, time: world_time.into() };
         let OwnKeys { camera, has_opening, lens: lens_keys, size } = own;
         let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));

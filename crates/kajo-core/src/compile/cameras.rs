@@ -35,7 +35,7 @@ pub(super) fn shutter_of(
 /// Puts the cameras into a scene, whose objects they may name.
 ///
 /// The last camera of the scene takes the picture, unless `options` say otherwise.
-pub(super) fn place(
+pub(super) fn span(
     scene: &mut Scene,
     requests: Vec<CameraRequest<'_>>,
     desc: &SceneDesc,
@@ -195,34 +195,34 @@ impl<'s, 't> Resolver<'s, 't, '_> {
     }
 
     /// The point that is to be sharp, where that is not a distance; the outer `None` when an error was reported.
-    fn sharp_point(&mut self, focus: &Focus<'t>, place: Span) -> Option<Option<DVec3>> {
+    fn sharp_point(&mut self, focus: &Focus<'t>, span: Span) -> Option<Option<DVec3>> {
         match focus {
             Focus::Distance(_) => Some(None),
             Focus::On(Subject::Point(p)) => Some(Some(*p)),
-            Focus::On(subject) => Some(Some(self.extent(subject, place)?.middle())),
+            Focus::On(subject) => Some(Some(self.extent(subject, span)?.middle())),
         }
     }
 
     /// The camera with its lens focused on a point.
-    fn focused(&mut self, camera: Camera, p: DVec3, place: Span) -> Option<Camera> {
+    fn focused(&mut self, camera: Camera, p: DVec3, span: Span) -> Option<Camera> {
         let CameraFrame { center, forward, .. } = *camera.frame();
         let focused = camera.focused_on(p);
         if focused.is_none() {
             let error = Diagnostic::error("the camera cannot focus on what is behind it");
             let behind = (center - p).dot(forward) as f32;
-            self.diagnostics.push(error.label(place, format!("{behind} behind it")));
+            self.diagnostics.push(error.label(span, format!("{behind} behind it")));
         }
         focused
     }
 
     /// What is to be seen; empty, with a warning, where the scene has nothing.
-    fn extent(&mut self, subject: &Subject<'_>, place: Span) -> Option<Extent<'s>> {
+    fn extent(&mut self, subject: &Subject<'_>, span: Span) -> Option<Extent<'s>> {
         let name = match subject {
             Subject::Point(_) | Subject::Scene => {
                 let extent = self.scene.geometry.extent(|_| true);
                 if extent.is_empty() {
                     let warning = Diagnostic::warning("there is nothing in this scene that has an end");
-                    self.diagnostics.push(warning.label(place, "a ball around the origin is taken for it"));
+                    self.diagnostics.push(warning.label(span, "a ball around the origin is taken for it"));
                 }
                 return Some(extent);
             }
@@ -257,7 +257,7 @@ impl<'s, 't> Resolver<'s, 't, '_> {
                 "objects are named as in `Sphere moon { ... }`; `scene` stands for all of them".to_owned()
             }
         };
-        self.diagnostics.push(error.label(place, "asked for here").help(help));
+        self.diagnostics.push(error.label(span, "asked for here").help(help));
         None
     }
 

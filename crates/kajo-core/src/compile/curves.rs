@@ -28,9 +28,9 @@ impl Compiler<'_> {
     /// The curves of a block; why there are none is reported.
     pub(super) fn curves(&mut self, item: Item<'_>, request: CurvesRequest) -> Option<ShapeId> {
         let CurvesRequest { file, mut strands, basis, form, radii } = request;
-        let at = file.as_ref().map_or_else(|| item.head_span(), |(_, place)| *place);
-        if let Some((name, place)) = &file {
-            self.read_strands(name, item, *place, &mut strands)?;
+        let at = file.as_ref().map_or_else(|| item.head_span(), |(_, span)| *span);
+        if let Some((name, span)) = &file {
+            self.read_strands(name, item, *span, &mut strands)?;
         }
         fill_radii(&mut strands, radii);
         let (kept, building) = Curves::memory(strands.points.len());
@@ -66,7 +66,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn read_strands(&mut self, name: &str, item: Item<'_>, place: Span, out: &mut Strands) -> Option<()> {
+    fn read_strands(&mut self, name: &str, item: Item<'_>, span: Span, out: &mut Strands) -> Option<()> {
         let limits = self.options.limits.clone();
         let file = self.assets.open(name, item.path()).map_err(|error| error.to_string());
         let read = file.and_then(|file| {
@@ -76,7 +76,7 @@ impl Compiler<'_> {
             let bytes = read_limited(file, limits.mesh_bytes).map_err(|error| error.to_string())?;
             parse(&bytes, out)
         });
-        read.map_err(|reason: String| self.cannot_read(name, &reason, place)).ok()
+        read.map_err(|reason: String| self.cannot_read(name, &reason, span)).ok()
     }
 }
 

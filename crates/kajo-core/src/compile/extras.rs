@@ -72,7 +72,7 @@ impl Extras {
             (None, None) => None,
         };
         let emission = emission.unwrap_or_default();
-        let opacity = opacity.map(|opacity| (opacity.share, opacity.place));
+        let opacity = opacity.map(|opacity| (opacity.share, opacity.span));
         Some(Extras { emission, opacity, relief })
     }
 }

@@ -85,7 +85,7 @@ keys! {
 }
 
 /// Numbers, x first and then y, and the box that they are in.
-pub struct Grid {
+pub struct VoxelValues {
     pub size: [u32; 3],
     pub values: Vec<f32>,
     pub bounds: [Vec3; 2],
@@ -127,7 +127,7 @@ pub fn grid_keys<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> 
 /// What keys ask for.
 pub enum GridSource<'t> {
     /// Numbers in a box.
-    Dense(Grid),
+    Dense(VoxelValues),
     /// A grid of a file that says where its voxels are.
     Voxels(Box<FileVoxels<'t>>),
 }
@@ -161,7 +161,7 @@ impl FileVoxels<'_> {
 
 impl Compiler<'_> {
     /// The numbers that keys ask for, each of them; why there are none is reported.
-    pub(super) fn grid(&mut self, item: Item<'_>, keys: GridKeys<'_>) -> Option<Grid> {
+    pub(super) fn grid(&mut self, item: Item<'_>, keys: GridKeys<'_>) -> Option<VoxelValues> {
         match self.grid_source(keys)? {
             GridSource::Dense(grid) => Some(grid),
             GridSource::Voxels(voxels) => self.points(item, *voxels),
@@ -169,7 +169,7 @@ impl Compiler<'_> {
     }
 
     /// Numbers on points whose outermost ones are on the faces of their box.
-    fn points(&mut self, item: Item<'_>, voxels: FileVoxels<'_>) -> Option<Grid> {
+    fn points(&mut self, item: Item<'_>, voxels: FileVoxels<'_>) -> Option<VoxelValues> {
         let [low, high] = voxels.file_corners(0.5);
         let FileVoxels { grid, corners: [min, max], .. } = voxels;
         let size = grid.voxels.size();
@@ -199,7 +199,7 @@ impl Compiler<'_> {
                 values.extend((0..size[0]).map(|x| grid.voxels.at([x, y, z])));
             }
         }
-        Some(Grid { size, values, bounds: [min.unwrap_or(low), max.unwrap_or(high)] })
+        Some(VoxelValues { size, values, bounds: [min.unwrap_or(low), max.unwrap_or(high)] })
     }
 
     /// What keys ask for; why there is none is reported.
@@ -233,7 +233,7 @@ impl Compiler<'_> {
         };
         let [low, high] = bounds.unwrap_or([[-1.0; 3], [1.0; 3]]);
         let bounds = [min.unwrap_or(low.into()), max.unwrap_or(high.into())];
-        Some(GridSource::Dense(Grid { size, values, bounds }))
+        Some(GridSource::Dense(VoxelValues { size, values, bounds }))
     }
 
     /// Reports why a file cannot be read.

@@ -33,7 +33,7 @@ pub(super) enum HeightSource {
         /// Its name.
         name: String,
         /// Where that is named.
-        place: Span,
+        span: Span,
     },
     /// The values of a function of x and z.
     Function {
@@ -49,7 +49,7 @@ impl Compiler<'_> {
     pub(super) fn height_field(&mut self, item: Item<'_>, request: HeightFieldRequest) -> Option<ShapeId> {
         let HeightFieldRequest { source, center, size, heights, base, smooth } = request;
         let mut grid = match &source {
-            HeightSource::Picture { name, place } => self.heights_of_picture(name, item, *place)?,
+            HeightSource::Picture { name, span } => self.heights_of_picture(name, item, *span)?,
             HeightSource::Function { function, resolution } => {
                 self.heights_of_function(function, *resolution, size, item)?
             }
@@ -64,9 +64,9 @@ impl Compiler<'_> {
             (Ok(field), _) => self.shape(item, field),
             (
                 Err(error @ (HeightFieldError::TooSmall { .. } | HeightFieldError::NotFinite { .. })),
-                HeightSource::Picture { name, place },
+                HeightSource::Picture { name, span },
             ) => {
-                self.cannot_read(&name, &error.to_string(), place);
+                self.cannot_read(&name, &error.to_string(), span);
                 None
             }
             (Err(error), _) => {
@@ -79,11 +79,11 @@ impl Compiler<'_> {
     }
 
     /// The numbers of a picture's first channel; memory is taken for a field of them.
-    fn heights_of_picture(&mut self, name: &str, item: Item<'_>, place: Span) -> Option<HeightGrid> {
-        let picture = self.picture_of_heights(name, item, place)?;
+    fn heights_of_picture(&mut self, name: &str, item: Item<'_>, span: Span) -> Option<HeightGrid> {
+        let picture = self.picture_of_heights(name, item, span)?;
         let (columns, rows) = (picture.width(), picture.height());
         if let Err(over) = self.options.limits.memory.take(HeightField::bytes(columns, rows)) {
-            self.cannot_read(name, &over.to_string(), place);
+            self.cannot_read(name, &over.to_string(), span);
             return None;
         }
         Some(HeightGrid { columns, rows, heights: picture.pixels().map(|pixel| pixel[0]).collect() })
@@ -123,7 +123,7 @@ impl Compiler<'_> {
     }
 
     /// The numbers of a file as it stores them.
-    fn picture_of_heights(&mut self, name: &str, item: Item<'_>, place: Span) -> Option<Image> {
+    fn picture_of_heights(&mut self, name: &str, item: Item<'_>, span: Span) -> Option<Image> {
         let limits = &self.options.limits;
         let file = self.assets.open(name, item.path()).map_err(|error| error.to_string());
         let read = file.and_then(|file| {
@@ -133,7 +133,7 @@ impl Compiler<'_> {
             let _floats = limits.memory.share(floats).map_err(|over| over.to_string())?;
             Ok(decoded.image)
         });
-        read.map_err(|reason: String| self.cannot_read(name, &reason, place)).ok()
+        read.map_err(|reason: String| self.cannot_read(name, &reason, span)).ok()
     }
 }
 

@@ -57,9 +57,9 @@ impl Compiler<'_> {
 
 /// The error for a light of other programs.
 fn written_elsewhere(item: Item<'_>) -> Option<Diagnostic> {
-    let (word, place) = ELSEWHERE.iter().find(|(word, _)| *word == item.keyword())?;
+    let (word, help) = ELSEWHERE.iter().find(|(word, _)| *word == item.keyword())?;
     let error = Diagnostic::error(format!("`{word}` is no word of this language"));
-    Some(error.label(item.keyword_span(), "not a light of its own").help(*place))
+    Some(error.label(item.keyword_span(), "not a light of its own").help(*help))
 }
 
 #[cfg(test)]

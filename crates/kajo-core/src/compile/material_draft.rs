@@ -31,7 +31,7 @@ pub(super) struct BlendDraft<'t> {
     /// The share of the second part.
     pub amount: FloatTexture,
     pub parts: [Reference<'t>; 2],
-    pub place: Span,
+    pub span: Span,
 }
 
 /// Another material, by number or name.
@@ -55,10 +55,10 @@ impl<'t> Plain<'t> for Reference<'t> {
 impl<'t> Reference<'t> {
     /// The value of a `MaterialIndex`.
     pub(super) fn read(args: &mut Args<'t>) -> Result<Reference<'t>, Diagnostic> {
-        let place = args.item().head_span();
+        let span = args.item().head_span();
         if args.is_word() {
-            return Ok(Reference::Name(args.text()?, place));
+            return Ok(Reference::Name(args.text()?, span));
         }
-        Ok(Reference::Number(args.int_in(0..=i64::from(u32::MAX))? as usize, place))
+        Ok(Reference::Number(args.int_in(0..=i64::from(u32::MAX))? as usize, span))
     }
 }

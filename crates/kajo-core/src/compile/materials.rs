@@ -99,18 +99,18 @@ impl Compiler<'_> {
     /// The material that a `MaterialIndex` means; an unknown one is reported.
     pub(super) fn material(&mut self, reference: &Reference<'_>) -> Option<MaterialId> {
         match reference {
-            Reference::Number(i, place) => {
+            Reference::Number(i, span) => {
                 let found = self.scene.appearance().list.get(*i).map(|&(id, _)| id);
-                self.report_missing(found, reference, self.scene.appearance().list.len(), *place, None)
+                self.report_missing(found, reference, self.scene.appearance().list.len(), *span, None)
             }
-            Reference::Name(name, place) => {
+            Reference::Name(name, span) => {
                 let found = self.material_names.get(&**name).copied();
                 // On success there is nothing to be sought.
                 let near = found
                     .is_none()
                     .then(|| self.diagnostics.nearest(name, self.material_names.keys().map(String::as_str)));
                 let near = near.flatten().map(str::to_owned);
-                self.report_missing(found, reference, self.scene.appearance().list.len(), *place, near)
+                self.report_missing(found, reference, self.scene.appearance().list.len(), *span, near)
             }
         }
     }
@@ -132,8 +132,8 @@ impl Compiler<'_> {
             let extras = Extras::read(params, sources);
             Some((material?, extras?))
         })?;
-        let place = item.head_span();
-        Some(Draft::Stored(self.store_material(material, place), extras, place))
+        let span = item.head_span();
+        Some(Draft::Stored(self.store_material(material, span), extras, span))
     }
 
     /// As [`Compiler::pooled`] of a material that `make` makes of what was read, with files.
@@ -150,8 +150,8 @@ impl Compiler<'_> {
             Some((keys?, extras?))
         })?;
         let material = make(self, keys)?;
-        let place = item.head_span();
-        Some(Draft::Stored(self.store_material(material, place), extras, place))
+        let span = item.head_span();
+        Some(Draft::Stored(self.store_material(material, span), extras, span))
     }
 
     /// Two materials that a pattern mixes.
@@ -181,15 +181,15 @@ impl Compiler<'_> {
             self.diagnostics.push(error.label(item.keyword_span(), "mixes two materials"));
             return None;
         };
-        let place = item.head_span();
+        let span = item.head_span();
         let amount = match amount? {
             texture @ FloatTexture::Node(_) => {
                 let placed = self.scene.float_texture(Placed { texture, texture_from_world });
-                self.accepted(placed, place)?
+                self.accepted(placed, span)?
             }
             even => even,
         };
-        Some(Draft::Blend(BlendDraft { amount, parts, place }))
+        Some(Draft::Blend(BlendDraft { amount, parts, span }))
     }
 
     /// Puts draft `i` and everything it refers to into the pools.
@@ -233,15 +233,15 @@ impl Compiler<'_> {
         }
         states[i] = match &drafts[i].0 {
             None => State::Failed,
-            Some(Draft::Stored(id, extras, place)) => self.with_extras(*id, extras, *place),
+            Some(Draft::Stored(id, extras, span)) => self.with_extras(*id, extras, *span),
             Some(Draft::Blend(draft)) if matches!(states[i], State::Open) => {
                 let error = Diagnostic::error("this material is made of itself");
-                self.diagnostics.push(error.label(draft.place, "leads back here"));
+                self.diagnostics.push(error.label(draft.span, "leads back here"));
                 State::Open
             }
             Some(Draft::Blend(draft)) => {
                 if let Some(deepest) = opened.last().filter(|_| opened.len() >= MAX_PARTS as usize) {
-                    return self.report_too_many_parts(deepest.draft.place);
+                    return self.report_too_many_parts(deepest.draft.span);
                 }
                 opened.push(Opened { number: i, draft, parts: [None; 2], seen: 0 });
                 State::Open
@@ -257,47 +257,47 @@ impl Compiler<'_> {
         });
         let [Some((a, cost_a)), Some((b, cost_b))] = resolved else { return State::Failed };
         let cost = cost_a.saturating_add(cost_b).saturating_add(1);
-        let (materials, place) = ([a, b], blend.draft.place);
+        let (materials, span) = ([a, b], blend.draft.span);
         if cost > MAX_PARTS {
-            self.report_too_many_parts(place);
+            self.report_too_many_parts(span);
             return State::Failed;
         }
-        self.warn_of_unlike_emissions(materials, place);
+        self.warn_of_unlike_emissions(materials, span);
         let blend = Blend { amount: blend.draft.amount, materials };
-        self.store_material(blend, place).map_or(State::Failed, |id| State::Done(id, cost))
+        self.store_material(blend, span).map_or(State::Failed, |id| State::Done(id, cost))
     }
 
-    fn warn_of_unlike_emissions(&mut self, parts: [MaterialId; 2], place: Span) {
+    fn warn_of_unlike_emissions(&mut self, parts: [MaterialId; 2], span: Span) {
         if let [Some(first), Some(second)] = parts.map(|part| self.scene.emission(part))
             && !first.agrees_with(second)
         {
             let message = "the parts of a mixture shine from the same sides and in the same group";
-            let warning = Diagnostic::warning(message).label(place, "its two parts differ");
+            let warning = Diagnostic::warning(message).label(span, "its two parts differ");
             self.diagnostics.push(warning.help("`emits` and `group` of the first one count"));
         }
     }
 
     /// A material with its relief, its light and its holes.
-    fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras, place: Span) -> State {
-        let made = id.and_then(|id| self.finished(id, extras, place));
+    fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras, span: Span) -> State {
+        let made = id.and_then(|id| self.finished(id, extras, span));
         made.map_or(State::Failed, |id| State::Done(id, 1))
     }
 
-    fn finished(&mut self, inner: MaterialId, extras: &Extras, place: Span) -> Option<MaterialId> {
+    fn finished(&mut self, inner: MaterialId, extras: &Extras, span: Span) -> Option<MaterialId> {
         let mut id = inner;
         if let Some(relief) = extras.relief.clone() {
-            id = self.store_material(Embossed { material: inner, relief }, place)?;
+            id = self.store_material(Embossed { material: inner, relief }, span)?;
         }
         let holes = extras.opacity.as_ref().filter(|(opacity, _)| opacity.share_range()[0] < 1.0);
-        if let Some((_, place)) = holes
+        if let Some((_, span)) = holes
             && self.scene.appearance().may_transmit(inner)
         {
             let error = Diagnostic::error("light passes this material anyway, so that it can have no holes");
-            self.diagnostics.push(error.label(*place, "`opacity` is for opaque materials"));
+            self.diagnostics.push(error.label(*span, "`opacity` is for opaque materials"));
             return None;
         }
         let opacity = holes.map(|(opacity, _)| *opacity);
-        self.lit_and_cut(id, extras.emission.clone(), opacity, place)
+        self.lit_and_cut(id, extras.emission.clone(), opacity, span)
     }
 
     /// A material with its light and its holes.
@@ -308,28 +308,28 @@ impl Compiler<'_> {
         id: MaterialId,
         emission: SurfaceEmission,
         opacity: Option<FloatTexture>,
-        place: Span,
+        span: Span,
     ) -> Option<MaterialId> {
         self.scene.set_emission(id, emission);
         match opacity {
-            Some(opacity) => self.store_material(Perforated { material: id, opacity }, place),
+            Some(opacity) => self.store_material(Perforated { material: id, opacity }, span),
             None => Some(id),
         }
     }
 
-    /// Stores a material that is described at `place`.
+    /// Stores a material that is described at `span`.
     pub(super) fn store_material(
         &mut self,
         material: impl Into<AnyMaterial>,
-        place: Span,
+        span: Span,
     ) -> Option<MaterialId> {
         let stored = self.scene.store_material(material);
-        self.accepted(stored, place)
+        self.accepted(stored, span)
     }
 
-    fn report_too_many_parts(&mut self, place: Span) {
+    fn report_too_many_parts(&mut self, span: Span) {
         let message = format!("this material is made of more than {MAX_PARTS} others");
-        self.diagnostics.push(Diagnostic::error(message).label(place, "too many levels of mixtures"));
+        self.diagnostics.push(Diagnostic::error(message).label(span, "too many levels of mixtures"));
     }
 
     /// The draft that a blend's part means; an unknown one is reported.
@@ -340,13 +340,13 @@ impl Compiler<'_> {
         names: &HashMap<String, usize>,
     ) -> Option<usize> {
         match part {
-            Reference::Number(i, place) => self.report_missing((*i < n).then_some(*i), part, n, *place, None),
-            Reference::Name(name, place) => {
+            Reference::Number(i, span) => self.report_missing((*i < n).then_some(*i), part, n, *span, None),
+            Reference::Name(name, span) => {
                 let found = names.get(&**name).copied();
                 let near =
                     found.is_none().then(|| self.diagnostics.nearest(name, names.keys().map(String::as_str)));
                 let near = near.flatten().map(str::to_owned);
-                self.report_missing(found, part, n, *place, near)
+                self.report_missing(found, part, n, *span, near)
             }
         }
     }
@@ -356,7 +356,7 @@ impl Compiler<'_> {
         found: Option<T>,
         reference: &Reference<'_>,
         n: usize,
-        place: Span,
+        span: Span,
         near: Option<String>,
     ) -> Option<T> {
         let failed = &self.failed_materials;
@@ -375,7 +375,7 @@ impl Compiler<'_> {
                 (None, 0) => "the scene has no materials: add a `Materials` block".to_owned(),
                 (None, n) => format!("the scene has {n} materials, numbered from 0 to {}", n - 1),
             };
-            self.diagnostics.push(Diagnostic::error(message).label(place, "asked for here").help(help));
+            self.diagnostics.push(Diagnostic::error(message).label(span, "asked for here").help(help));
         }
         found
     }

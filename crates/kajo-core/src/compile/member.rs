@@ -47,17 +47,15 @@ pub(super) type TextureMember = Member<fn(&mut Params<'_, '_>, &mut Sources<'_>)
 /// A kind of medium.
 pub(super) type MediumMember = Member<for<'t> fn(&mut Compiler<'_>, Item<'t>) -> Option<MediumId>>;
 
-/// A shape; one that cannot be is reported at `place`.
+/// A shape; one that cannot be is reported at `item`.
 pub(super) fn reported<T>(
     params: &mut Params<'_, '_>,
     shape: Option<T>,
-    place: Item<'_>,
+    item: Item<'_>,
     message: &str,
 ) -> Option<T> {
     if shape.is_none() {
-        params
-            .diagnostics()
-            .push(Diagnostic::error(message).label(place.head_span(), "leaves no such shape"));
+        params.diagnostics().push(Diagnostic::error(message).label(item.head_span(), "leaves no such shape"));
     }
     shape
 }

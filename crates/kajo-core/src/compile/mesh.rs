@@ -23,7 +23,7 @@ pub(super) struct MeshRequest {
     /// The name of its file.
     pub name: String,
     /// Where that is named.
-    pub place: Span,
+    pub span: Span,
     pub shading: Shading,
     /// Whether it is in the materials of its own file.
     pub own_materials: bool,
@@ -47,11 +47,11 @@ pub(super) struct MeshKey {
 
 impl Compiler<'_> {
     pub(super) fn mesh(&mut self, item: Item<'_>, request: MeshRequest) -> Option<ShapeId> {
-        let MeshRequest { name, place, shading, own_materials, colors, subdivision, displacement } = request;
+        let MeshRequest { name, span, shading, own_materials, colors, subdivision, displacement } = request;
         let file = match self.assets.open(&name, item.path()) {
             Ok(file) => file,
             Err(error) => {
-                self.cannot_read(&name, &error.to_string(), place);
+                self.cannot_read(&name, &error.to_string(), span);
                 return None;
             }
         };
@@ -69,15 +69,15 @@ impl Compiler<'_> {
         let kept = store.as_ref().and_then(|(store, key)| store.get(key));
         let read = match kept {
             Some(kept) => {
-                kept.warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, place));
+                kept.warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, span));
                 Some(kept)
             }
-            None => self.read_mesh(file, &key, displacement.as_ref(), place).inspect(|read| {
+            None => self.read_mesh(file, &key, displacement.as_ref(), span).inspect(|read| {
                 store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
             }),
         };
         let is_clear = read.as_ref().is_some_and(|read| read.mesh.has_opacities());
-        let shape = read.and_then(|read| self.put_mesh(read.mesh, &key.path, item, place));
+        let shape = read.and_then(|read| self.put_mesh(read.mesh, &key.path, item, span));
         self.clear_meshes.extend(shape.filter(|_| is_clear));
         if displacement.is_none() {
             self.meshes.insert(key, shape);
@@ -90,13 +90,13 @@ impl Compiler<'_> {
         file: AssetFile,
         key: &MeshKey,
         displacement: Option<&Displacement>,
-        place: Span,
+        span: Span,
     ) -> Option<Kept> {
         let path = &key.path;
         let (mut mesh, report) = match read_mesh(file, &self.options.limits) {
             Ok(read) => read,
             Err(error) => {
-                self.file_errors.push((error, place));
+                self.file_errors.push((error, span));
                 return None;
             }
         };
@@ -109,22 +109,22 @@ impl Compiler<'_> {
             }
             _ => {}
         }
-        warnings.iter().for_each(|warning| self.warn_of_file(path, warning, place));
-        let slots = if key.own_materials { self.material_slots(&mesh, path, place) } else { None };
+        warnings.iter().for_each(|warning| self.warn_of_file(path, warning, span));
+        let slots = if key.own_materials { self.material_slots(&mesh, path, span) } else { None };
         let data = match key.subdivision {
             None => {
                 // What of it is kept counts as part of the mesh.
-                let _averaging = self.memory_for_normals(&mesh, key.shading, path, place)?;
+                let _averaging = self.memory_for_normals(&mesh, key.shading, path, span)?;
                 mesh_data(mesh, key.shading, slots)
             }
             Some(how) => {
                 let polygons = std::mem::take(&mut mesh.polygons);
                 let read = ReadFaces { data: mesh_data(mesh, Shading::Flat, slots), polygons };
                 let is_smooth = key.shading != Shading::Flat;
-                self.subdivided(read, how, displacement, (is_smooth, path, place))?
+                self.subdivided(read, how, displacement, (is_smooth, path, span))?
             }
         };
-        let mesh = self.built(data, path, place)?;
+        let mesh = self.built(data, path, span)?;
         Some(Kept { mesh, warnings })
     }
 
@@ -134,7 +134,7 @@ impl Compiler<'_> {
         mesh: &TriMesh,
         shading: Shading,
         path: &str,
-        place: Span,
+        span: Span,
     ) -> Option<MemoryShare> {
         /// The sum of the normals around, the number of the first vertex there, and a place in their order.
         const BYTES_PER_VERTEX: usize = size_of::<Vec3>() + 2 * size_of::<u32>();
@@ -145,33 +145,30 @@ impl Compiler<'_> {
         };
         let bytes = if averages { BYTES_PER_VERTEX * mesh.positions.len() } else { 0 };
         let share = self.options.limits.memory.share(bytes as u64);
-        share.map_err(|over| self.cannot_read(path, &over.to_string(), place)).ok()
+        share.map_err(|over| self.cannot_read(path, &over.to_string(), span)).ok()
     }
 
     /// Memory for a file that is held while it is read; `None` where there is too little, which is reported.
-    pub(super) fn memory_for_file(&mut self, file: &AssetFile, place: Span) -> Option<MemoryShare> {
+    pub(super) fn memory_for_file(&mut self, file: &AssetFile, span: Span) -> Option<MemoryShare> {
         let share = self.options.limits.memory.share(file.len.unwrap_or(0));
-        share.map_err(|over| self.cannot_read(&file.path, &over.to_string(), place)).ok()
+        share.map_err(|over| self.cannot_read(&file.path, &over.to_string(), span)).ok()
     }
 
     /// As [`Compiler::built`], unless the same mesh was built for a scene before.
-    pub(super) fn built_once(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {
-        let Some(store) = self.options.meshes.clone() else { return self.built(data, path, place) };
+    pub(super) fn built_once(&mut self, data: MeshData, path: &str, span: Span) -> Option<Mesh> {
+        let Some(store) = self.options.meshes.clone() else { return self.built(data, path, span) };
         let digest = data.digest();
         if let Some(mesh) = store.built(digest) {
             let (bytes, _) = data.memory();
             let taken = self.options.limits.memory.take(bytes as u64);
-            return taken
-                .map_err(|over| self.cannot_read(path, &over.to_string(), place))
-                .ok()
-                .map(|()| mesh);
+            return taken.map_err(|over| self.cannot_read(path, &over.to_string(), span)).ok().map(|()| mesh);
         }
-        self.built(data, path, place).inspect(|mesh| store.put_built(digest, mesh.clone()))
+        self.built(data, path, span).inspect(|mesh| store.put_built(digest, mesh.clone()))
     }
 
     /// Builds the tree of a mesh, unless the scene has failed already: nobody should wait for that to hear of a
     /// misspelt word.
-    pub(super) fn built(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {
+    pub(super) fn built(&mut self, data: MeshData, path: &str, span: Span) -> Option<Mesh> {
         if self.has_failed() {
             return None;
         }
@@ -181,23 +178,23 @@ impl Compiler<'_> {
         let _building = match taken {
             Ok(share) => share,
             Err(over) => {
-                self.cannot_read(path, &over.to_string(), place);
+                self.cannot_read(path, &over.to_string(), span);
                 return None;
             }
         };
         self.assets.progress(LoadStep::Building { path, triangles: data.faces.len() });
         let built = Mesh::new(data, &self.options.build);
-        built.map_err(|error| self.cannot_read(path, &error.to_string(), place)).ok()
+        built.map_err(|error| self.cannot_read(path, &error.to_string(), span)).ok()
     }
 
     /// Stores a mesh, and says what is wrong with it.
-    fn put_mesh(&mut self, mesh: Mesh, path: &str, item: Item<'_>, place: Span) -> Option<ShapeId> {
+    fn put_mesh(&mut self, mesh: Mesh, path: &str, item: Item<'_>, span: Span) -> Option<ShapeId> {
         match (mesh.triangle_count(), mesh.dropped()) {
-            (0, _) => self.warn_of_file(path, "there are no triangles in it", place),
+            (0, _) => self.warn_of_file(path, "there are no triangles in it", span),
             (_, 0) => {}
             (n, flat) => {
                 let message = format!("{flat} of its {n} triangles have no area and are left out");
-                self.warn_of_file(path, &message, place);
+                self.warn_of_file(path, &message, span);
             }
         }
         self.shape(item, mesh)
@@ -211,12 +208,12 @@ impl Compiler<'_> {
         name: &str,
         from: &str,
         encoding: Option<Encoding>,
-        place: Span,
+        span: Span,
     ) -> Option<PictureMap> {
         let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
         // Some programs write the separators of their own system.
         let read = pictures.picture(&name.replace('\\', "/"), from, encoding);
-        self.laid_or_left_out(read, name, from, place)
+        self.laid_or_left_out(read, name, from, span)
     }
 
     /// A picture within another file; `name` is its own and that of the file.
@@ -225,11 +222,11 @@ impl Compiler<'_> {
         bytes: &[u8],
         name: &str,
         encoding: Option<Encoding>,
-        place: Span,
+        span: Span,
     ) -> Option<PictureMap> {
         let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
         let read = pictures.held(bytes, name, encoding);
-        self.laid_or_left_out(read, name, name, place)
+        self.laid_or_left_out(read, name, name, span)
     }
 
     fn laid_or_left_out(
@@ -237,32 +234,32 @@ impl Compiler<'_> {
         read: ReadPicture,
         name: &str,
         from: &str,
-        place: Span,
+        span: Span,
     ) -> Option<PictureMap> {
         match read {
             Ok((picture, _)) => Some(PictureMap::new(picture)),
             Err(problem) => {
-                self.picture_left_out(name, from, &problem.to_string(), place);
+                self.picture_left_out(name, from, &problem.to_string(), span);
                 None
             }
         }
     }
 
     /// Warns that a picture which a file names is left out, once, however many materials show it.
-    pub(super) fn picture_left_out(&mut self, name: &str, from: &str, why: &str, place: Span) {
+    pub(super) fn picture_left_out(&mut self, name: &str, from: &str, why: &str, span: Span) {
         if self.left_out_pictures.insert((from.to_owned(), name.to_owned())) {
-            self.warn_of_file(from, &format!("`{name}` is left out: {why}"), place);
+            self.warn_of_file(from, &format!("`{name}` is left out: {why}"), span);
         }
     }
 
-    pub(super) fn cannot_read(&mut self, name: &str, reason: &str, place: Span) {
+    pub(super) fn cannot_read(&mut self, name: &str, reason: &str, span: Span) {
         let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));
-        self.diagnostics.push(error.label(place, "named here"));
+        self.diagnostics.push(error.label(span, "named here"));
     }
 
-    pub(super) fn warn_of_file(&mut self, path: &str, message: &str, place: Span) {
+    pub(super) fn warn_of_file(&mut self, path: &str, message: &str, span: Span) {
         let warning = Diagnostic::warning(format!("`{path}`: {message}"));
-        self.diagnostics.push(warning.label(place, "read here"));
+        self.diagnostics.push(warning.label(span, "read here"));
     }
 }
 

@@ -108,8 +108,8 @@ fn numbers_of_the_extension_become_layers() {
     assert_eq!(said, [""; 0]);
     let layers = |x: f32, y: f32, u: f32| {
         let met = at(&scene, x, y);
-        let place = scene.texture_context(&met);
-        let point = ShadingPoint { context: place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+        let context = scene.texture_context(&met);
+        let point = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
         match scene.appearance.bsdf(met.material, &point) {
             Bsdf::Principled(layers) => Some(layers),
             _ => None,
@@ -140,8 +140,8 @@ fn bodies_of_blender_are_of_glass() {
     let bases = |scene: &Scene| {
         let met = at(scene, 0.5, -0.5);
         let base = |u| {
-            let place = scene.texture_context(&met);
-            let point = ShadingPoint { context: place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            let context = scene.texture_context(&met);
+            let point = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
             match scene.appearance.bsdf(met.material, &point) {
                 Bsdf::Principled(layers) => Some((layers.base, layers.eta)),
                 _ => None,

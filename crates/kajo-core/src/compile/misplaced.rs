@@ -7,14 +7,14 @@ use crate::schema::Kind;
 
 /// The error for a word of the language that belongs elsewhere; `None` where it does not, or not by its word alone.
 ///
-/// * `place`: the kind of block that it stands in, `Group` for all that hold objects; `None` outside of all blocks
-pub(super) fn misplaced(item: Item<'_>, place: Option<&str>) -> Option<Diagnostic> {
+/// * `parent`: the kind of block that it stands in, `Group` for all that hold objects; `None` outside of all blocks
+pub(super) fn misplaced(item: Item<'_>, parent: Option<&str>) -> Option<Diagnostic> {
     let word = item.keyword();
     let home = home(word)?;
-    if home == place {
+    if home == parent {
         return None;
     }
-    let stands = place.map_or("outside of all blocks".to_owned(), |place| format!("in `{place}`"));
+    let stands = parent.map_or("outside of all blocks".to_owned(), |parent| format!("in `{parent}`"));
     let help = match home {
         Some(home) => format!("write it inside of `{home} {{ }}`"),
         None => "write it outside of all blocks".to_owned(),

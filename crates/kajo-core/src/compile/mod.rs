@@ -133,8 +133,8 @@ pub fn compile(
         meshes.filter(|_| scene.is_some()).into_iter().for_each(MeshStore::keep_used);
         return scene;
     }
-    for (error, place) in file_errors {
-        diagnostics.push(error.to_diagnostic(desc.sources_mut(), Some(place)));
+    for (error, span) in file_errors {
+        diagnostics.push(error.to_diagnostic(desc.sources_mut(), Some(span)));
     }
     None
 }
@@ -191,7 +191,7 @@ fn compile_tree(
     }
     let settings = Settings { size: settings.size.or(camera_size), ..settings };
     let mut scene = compiler.finish(settings, group.is_some())?;
-    cameras::place(&mut scene, cameras, desc, options, diagnostics);
+    cameras::span(&mut scene, cameras, desc, options, diagnostics);
     scale::check(&scene, diagnostics);
     black_holes::check_cameras(&scene, diagnostics);
     (!diagnostics.has_errors()).then_some(scene)

@@ -150,7 +150,7 @@ impl Compiler<'_> {
         &mut self,
         material: &ModelMaterial,
         color: Option<&PictureMap>,
-        place: Span,
+        span: Span,
     ) -> Option<FloatTexture> {
         let value = material.opacity;
         // Most pictures have no holes, whatever the material says of them.
@@ -168,7 +168,7 @@ impl Compiler<'_> {
             (ModelCover::FromOn(least), Some(map)) => PictureCut { map, channel, least }.into(),
         };
         let texture = self.scene.float_texture(node);
-        self.accepted(texture, place)
+        self.accepted(texture, span)
     }
 
     /// A number or, where there is one, a channel of a picture times that.
@@ -177,12 +177,12 @@ impl Compiler<'_> {
         map: Option<PictureMap>,
         value: f32,
         channel: Channel,
-        place: Span,
+        span: Span,
     ) -> FloatTexture {
         let Some(map) = map.filter(|_| value > 0.0) else { return value.into() };
         let node = PictureChannel { map: PictureMap { factor: [value; 4], ..map }, channel };
         let texture = self.scene.float_texture(node);
-        self.accepted(texture, place).unwrap_or(FloatTexture::Constant(value))
+        self.accepted(texture, span).unwrap_or(FloatTexture::Constant(value))
     }
 
     /// A colour or, where there is one, a picture times that.
@@ -190,17 +190,17 @@ impl Compiler<'_> {
         &mut self,
         map: Option<PictureMap>,
         color @ [r, g, b]: [f32; 3],
-        place: Span,
+        span: Span,
     ) -> ColorTexture {
         let map = map.map(|map| PictureMap { factor: [r, g, b, 1.0], ..map });
-        let texture = map.and_then(|map| self.color_picture(map, place));
+        let texture = map.and_then(|map| self.color_picture(map, span));
         texture.unwrap_or_else(|| Reflectance::from_rgb(color).into())
     }
 
     /// The colours of a picture.
-    pub(super) fn color_picture(&mut self, map: PictureMap, place: Span) -> Option<ColorTexture> {
+    pub(super) fn color_picture(&mut self, map: PictureMap, span: Span) -> Option<ColorTexture> {
         let texture = self.scene.color_texture(map);
-        self.accepted(texture, place)
+        self.accepted(texture, span)
     }
 }
 

@@ -84,8 +84,8 @@ fn met(scene: &Scene, x: f32, y: f32) -> Interaction {
 /// The colour that the classic integrator sees there.
 fn color(scene: &Scene, x: f32, y: f32) -> Vec3 {
     let at = met(scene, x, y);
-    let place = scene.texture_context(&at);
-    scene.appearance.phong(at.material, &place).diffuse.to_rgb().into()
+    let context = scene.texture_context(&at);
+    scene.appearance.phong(at.material, &context).diffuse.to_rgb().into()
 }
 
 /// A triangle with these attributes and this in its material.

@@ -31,7 +31,7 @@ struct Described<'a> {
     /// Of its file, from whose folder pictures are found.
     path: &'a str,
     /// Where the scene names the mesh.
-    place: Span,
+    span: Span,
 }
 
 /// The materials of libraries by their names, each with the path of its file.
@@ -39,30 +39,30 @@ type Library = HashMap<String, (MtlMaterial, String)>;
 
 impl Compiler<'_> {
     /// For each face the index of its material among the scene's slots, or [`ABSENT`].
-    pub(super) fn material_slots(&mut self, mesh: &TriMesh, path: &str, place: Span) -> Option<Vec<u32>> {
+    pub(super) fn material_slots(&mut self, mesh: &TriMesh, path: &str, span: Span) -> Option<Vec<u32>> {
         let face_materials = mesh.face_materials.as_ref()?;
-        let (known, all_read) = self.libraries(mesh, path, place);
+        let (known, all_read) = self.libraries(mesh, path, span);
         let mut grey = None;
         let mut slots = Vec::with_capacity(mesh.material_names.len());
         for name in &mesh.material_names {
             slots.push(match known.get(name) {
                 Some((mtl, path)) => {
-                    let id = self.mtl_material(&Described { mtl, path, place });
-                    if !self.has_memory_for_materials(place) {
+                    let id = self.mtl_material(&Described { mtl, path, span });
+                    if !self.has_memory_for_materials(span) {
                         return None;
                     }
-                    self.slot(id, place)
+                    self.slot(id, span)
                 }
                 None if all_read => {
                     let message = format!("it uses the material `{name}`, which none of its libraries has");
-                    self.warn_of_file(path, &message, place);
+                    self.warn_of_file(path, &message, span);
                     ABSENT
                 }
                 None => *grey.get_or_insert_with(|| {
                     let diffuse = Spectrum::rgb(GREY, GREY, GREY);
                     let phong = Phong { ambient: diffuse, diffuse, ..Phong::BLACK };
-                    let id = self.store_material(PhongMaterial::from(phong), place);
-                    self.slot(id, place)
+                    let id = self.store_material(PhongMaterial::from(phong), span);
+                    self.slot(id, span)
                 }),
             });
         }
@@ -70,14 +70,14 @@ impl Compiler<'_> {
     }
 
     /// The number of a material among those that meshes bring.
-    fn slot(&mut self, id: Option<MaterialId>, place: Span) -> u32 {
+    fn slot(&mut self, id: Option<MaterialId>, span: Span) -> u32 {
         let Some(id) = id else { return ABSENT };
         let number = self.scene.mesh_material(id);
-        self.accepted(number, place).unwrap_or(ABSENT)
+        self.accepted(number, span).unwrap_or(ABSENT)
     }
 
     /// The materials of a mesh's libraries, and whether all of these could be read.
-    fn libraries(&mut self, mesh: &TriMesh, path: &str, place: Span) -> (Library, bool) {
+    fn libraries(&mut self, mesh: &TriMesh, path: &str, span: Span) -> (Library, bool) {
         let mut known = Library::new();
         let mut all_read = true;
         for library in &mesh.libraries {
@@ -88,7 +88,7 @@ impl Compiler<'_> {
                     all_read = false;
                     let message =
                         format!("its library `{library}` cannot be read, its materials are grey: {error}");
-                    self.warn_of_file(path, &message, place);
+                    self.warn_of_file(path, &message, span);
                     continue;
                 }
             };
@@ -96,12 +96,12 @@ impl Compiler<'_> {
             match read_mtl(file.reader, &mtl_path, &self.options.limits) {
                 Ok(mtl) => {
                     for sentence in mtl.skipped.sentences() {
-                        self.warn_of_file(&mtl_path, &sentence, place);
+                        self.warn_of_file(&mtl_path, &sentence, span);
                     }
                     let placed = |m: MtlMaterial| (m.name.clone(), (m, mtl_path.clone()));
                     known.extend(mtl.materials.into_iter().map(placed));
                 }
-                Err(error) => self.file_errors.push((error, place)),
+                Err(error) => self.file_errors.push((error, span)),
             }
         }
         (known, all_read)
@@ -122,35 +122,35 @@ impl Compiler<'_> {
         let mtl = described.mtl;
         let color = self.mtl_picture(described, MtlMapUse::Diffuse, None);
         let slide = self.mtl_picture(described, MtlMapUse::Emission, None);
-        let slide = slide.and_then(|map| self.color_picture(map, described.place));
+        let slide = slide.and_then(|map| self.color_picture(map, described.span));
         let cover = self.mtl_cover(described);
         let (mut id, mut share) = if is_physical(mtl) {
             let layers = self.mtl_layers(described, color);
             let opacity = cover.or(mtl.opacity.map(|d| FloatTexture::Constant(d.clamp(0.0, 1.0))));
             let opacity = opacity.filter(|share| share.share_range()[0] < 1.0);
-            (self.store_material(LayeredMaterial::from(layers), described.place)?, opacity)
+            (self.store_material(LayeredMaterial::from(layers), described.span)?, opacity)
         } else {
-            let color = color.and_then(|map| self.color_picture(map, described.place));
+            let color = color.and_then(|map| self.color_picture(map, described.span));
             let material = PhongMaterial::from(phong(mtl)).with_picture(color);
-            (self.store_material(material, described.place)?, cover)
+            (self.store_material(material, described.span)?, cover)
         };
         let is_clear = self.scene.appearance().may_transmit(id);
         if is_clear && share.is_some() {
             let written = if mtl.map(MtlMapUse::Opacity).is_some() { "map_d" } else { "d" };
             let message =
                 format!("`{written}` of the material `{}` is left out: light passes it anyway", mtl.name);
-            self.warn_of_file(described.path, &message, described.place);
+            self.warn_of_file(described.path, &message, described.span);
             share = None;
         }
         if let Some(relief) = self.mtl_relief(described) {
-            id = self.store_material(Embossed { material: id, relief }, described.place)?;
+            id = self.store_material(Embossed { material: id, relief }, described.span)?;
         }
         let share = share.filter(|share| share.mean(&self.scene.appearance().textures) < 1.0);
         // Of a light of which only the picture is written the picture is all there is.
         let light = mtl.emission.unwrap_or(if slide.is_some() { [1.0; 3] } else { [0.0; 3] });
         let even = SurfaceEmission::from(Emission::from_rgb(light));
         let emission = slide.iter().fold(even, SurfaceEmission::through);
-        self.lit_and_cut(id, emission, share, described.place)
+        self.lit_and_cut(id, emission, share, described.span)
     }
 
     /// The share of the surface that is there, of a material with a picture of that.
@@ -160,12 +160,12 @@ impl Compiler<'_> {
         let usual = if map.means()[Channel::Alpha as usize] < 1.0 { Channel::Alpha } else { Channel::Red };
         let channel = described.channel(MtlMapUse::Opacity).unwrap_or(usual);
         let texture = self.scene.float_texture(PictureChannel { map, channel });
-        self.accepted(texture, described.place)
+        self.accepted(texture, described.span)
     }
 
     fn mtl_relief(&mut self, described: &Described<'_>) -> Option<Relief> {
         if let Some(map) = self.mtl_picture(described, MtlMapUse::Normals, AMOUNTS) {
-            let normals = self.color_picture(map, described.place)?;
+            let normals = self.color_picture(map, described.span)?;
             return Some(Relief::Normals { normals, scale: 1.0.into() });
         }
         let map = self.mtl_picture(described, MtlMapUse::Bump, AMOUNTS)?;
@@ -173,12 +173,12 @@ impl Compiler<'_> {
         // Many programs write pictures of normals there, which are blue on the whole.
         let [r, g, b, _] = map.means();
         if (r - 0.5).abs() < 0.15 && (g - 0.5).abs() < 0.15 && b > 0.7 {
-            let normals = self.color_picture(map, described.place)?;
+            let normals = self.color_picture(map, described.span)?;
             return Some(Relief::Normals { normals, scale: bump.into() });
         }
         let channel = described.channel(MtlMapUse::Bump).unwrap_or_default();
         let heights = self.scene.float_texture(PictureChannel { map, channel });
-        let heights = self.accepted(heights, described.place)?;
+        let heights = self.accepted(heights, described.span)?;
         Some(Relief::Heights { heights, height: BUMP_HEIGHT * bump })
     }
 
@@ -188,7 +188,7 @@ impl Compiler<'_> {
             let map = self.mtl_picture(described, shows, AMOUNTS);
             let default = if map.is_some() { 1.0 } else { default };
             let channel = described.channel(shows).unwrap_or_default();
-            self.number(map, value.unwrap_or(default).clamp(0.0, 1.0), channel, described.place)
+            self.number(map, value.unwrap_or(default).clamp(0.0, 1.0), channel, described.span)
         };
         let diffuse = mtl.diffuse.unwrap_or([1.0; 3]).map(|v| v.clamp(0.0, 1.0));
         let defaults = Layers::default();
@@ -199,7 +199,7 @@ impl Compiler<'_> {
             coat: amount(MtlMapUse::Coat, mtl.coat, 0.0),
             coat_roughness: amount(MtlMapUse::CoatRoughness, mtl.coat_roughness, 0.0),
             fuzz: amount(MtlMapUse::Sheen, mtl.sheen, 0.0),
-            color: self.color(color, diffuse, described.place),
+            color: self.color(color, diffuse, described.span),
             grain: Grain {
                 anisotropy: mtl.anisotropy.unwrap_or(0.0).clamp(0.0, 1.0).into(),
                 rotation: mtl.anisotropy_rotation.unwrap_or(0.0).rem_euclid(1.0).into(),
@@ -221,7 +221,7 @@ impl Compiler<'_> {
     ) -> Option<PictureMap> {
         let shown = described.mtl.map(shows)?;
         let name = self.name_beside(&shown.file, described.path);
-        let map = self.found_picture(&name, described.path, encoding, described.place)?;
+        let map = self.found_picture(&name, described.path, encoding, described.span)?;
         let wrap = if shown.clamps { [Wrap::Clamp; 2] } else { map.wrap };
         Some(PictureMap { wrap, repeat: shown.repeat.into(), offset: shown.offset.into(), ..map })
     }

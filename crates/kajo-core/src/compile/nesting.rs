@@ -161,7 +161,7 @@ impl Compiler<'_> {
     /// A part as a member of an assembly, if it can be one.
     fn member(&self, part: &Part) -> Option<Member> {
         let &Part { content, material, label, .. } = part;
-        let part = builder::Part { content, map: *part.map.constant()?, material };
+        let part = builder::AssemblyPart { content, map: *part.map.constant()?, material };
         self.scene.member(&part, label).ok()
     }
 

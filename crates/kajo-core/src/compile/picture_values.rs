@@ -24,7 +24,7 @@ pub(super) const fn surface_light(key: &'static str) -> Typed<SurfaceLight> {
 /// The share of a surface that is there, and where that is said.
 pub(super) struct Opacity {
     pub share: FloatTexture,
-    pub place: Span,
+    pub span: Span,
 }
 
 impl Value<'_> for Opacity {
@@ -39,7 +39,7 @@ impl Value<'_> for Opacity {
             Some(least) => PictureCut { map, channel, least }.into(),
         };
         let share = sources.float_of(spec, item, diagnostics, CutoffKeys::read, node);
-        share.map(|share| Opacity { share, place: item.head_span() })
+        share.map(|share| Opacity { share, span: item.head_span() })
     }
 }
 

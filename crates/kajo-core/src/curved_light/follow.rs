@@ -28,7 +28,7 @@ const OVERLAP: f32 = 1e-4;
 /// * `ray`: starts inside of the body; its direction has unit length
 pub fn follow(equation: &impl RayEquation, ray: &Ray, region: &Region, chords: &mut impl Chords) -> Followed {
     let way =
-        BodyUnits { equation, time: ray.time, center: region.center(), extent: region.extent(), region };
+        RegionUnits { equation, time: ray.time, center: region.center(), extent: region.extent(), region };
     let (p, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
     let Some(start) = equation.start(p, d).filter(|y| y.iter().all(|v| v.is_finite())) else {
         return way.lost(ray);
@@ -45,7 +45,7 @@ pub fn follow(equation: &impl RayEquation, ray: &Ray, region: &Region, chords: &
 }
 
 /// A way through a body in units of the body: positions from its centre, lengths in parts of its extent.
-struct BodyUnits<'a, E> {
+struct RegionUnits<'a, E> {
     equation: &'a E,
     /// Moment within the shutter interval.
     time: f32,
@@ -54,7 +54,7 @@ struct BodyUnits<'a, E> {
     region: &'a Region,
 }
 
-impl<E: RayEquation> BodyUnits<'_, E> {
+impl<E: RayEquation> RegionUnits<'_, E> {
     fn in_units(&self, y: &RayState) -> RayState {
         let p = (position(y) - self.center) / self.extent;
         [p.x, p.y, p.z, y[3], y[4], y[5], y[6] / self.extent, y[7] / self.extent]

@@ -9,7 +9,7 @@ use std::ops::{Range, RangeInclusive};
 
 use kajo_math::{DVec2, DVec3};
 
-use super::{Body, Cell, Face, Item, LONGEST, UNIT};
+use super::{BufferedObject, Cell, Face, Item, LONGEST, UNIT};
 use crate::ids::ObjectId;
 use crate::shape::Sphere;
 
@@ -34,7 +34,7 @@ const IGNORED: f64 = 2e-3;
 /// * `cells`: how many there shall be, about
 pub(super) fn around(
     center: DVec3,
-    bodies: &[Body],
+    bodies: &[BufferedObject],
     slack: f64,
     cells: usize,
 ) -> ([Face; 6], Vec<Cell>, Vec<Item>) {
@@ -72,7 +72,7 @@ struct Cone {
 }
 
 impl Outline {
-    fn new(body: &Body, center: DVec3, slack: f64) -> Outline {
+    fn new(body: &BufferedObject, center: DVec3, slack: f64) -> Outline {
         let lo = body.bounds.min.as_dvec3() - center - slack;
         let hi = body.bounds.max.as_dvec3() - center + slack;
         let cone = body.sphere.and_then(|sphere| Cone::new(&sphere, body.opaque, center, slack));

@@ -4,7 +4,7 @@ use super::*;
 use crate::shape::Surface;
 
 /// Spheres and boxes of many sizes within [-1, 1]^3, every third one not opaque.
-fn bodies(n: u32, seed: u64) -> Vec<Body> {
+fn bodies(n: u32, seed: u64) -> Vec<BufferedObject> {
     let body = |primitive: u32| {
         let s = Stream::new(seed, [primitive, 0], 0);
         let center = 2.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)) - 1.0;
@@ -13,13 +13,13 @@ fn bodies(n: u32, seed: u64) -> Vec<Body> {
         let bounds = sphere.bounds();
         let sphere = is_sphere.then_some(sphere);
         let object = ObjectId::from_index(primitive);
-        Body { object, bounds, sphere, opaque: !primitive.is_multiple_of(3) }
+        BufferedObject { object, bounds, sphere, opaque: !primitive.is_multiple_of(3) }
     };
     (0..n).map(body).collect()
 }
 
 /// Where a ray meets a body, if it does: a sphere, or a box in place of another shape.
-fn hit(body: &Body, ray: &Ray) -> Option<f32> {
+fn hit(body: &BufferedObject, ray: &Ray) -> Option<f32> {
     match body.sphere {
         Some(sphere) => sphere.hit(ray).map(|hit| hit.t),
         None => body.bounds.clip(ray).map(|(near, _)| near),
@@ -34,7 +34,7 @@ fn points(n: u32, seed: u64, scale: f32) -> impl Iterator<Item = Vec3> {
 }
 
 /// Points outside, inside and within a body, on an axis and far away.
-fn apexes(bodies: &[Body]) -> [Vec3; 5] {
+fn apexes(bodies: &[BufferedObject]) -> [Vec3; 5] {
     [
         Vec3::new(3.0, 4.0, -2.0),
         Vec3::new(0.2, -0.1, 0.3),
@@ -78,7 +78,7 @@ fn rays_to_the_apex_find_what_blocks_them() {
             let ray = Ray::new(p, wi).over(1e-3, distance);
             let Some(between) = buffer.between(&ray) else { continue };
             answered += 1;
-            let met: Vec<&Body> = bodies.iter().filter(|b| hit(b, &ray).is_some()).collect();
+            let met: Vec<&BufferedObject> = bodies.iter().filter(|b| hit(b, &ray).is_some()).collect();
             let hidden = met.iter().any(|b| b.opaque && b.sphere.is_some());
             blocked += u32::from(hidden);
             let items = match between {
@@ -91,7 +91,7 @@ fn rays_to_the_apex_find_what_blocks_them() {
                     continue;
                 }
             };
-            let listed = |b: &&Body| items.iter().any(|item| item.object == b.object);
+            let listed = |b: &&BufferedObject| items.iter().any(|item| item.object == b.object);
             if hidden {
                 assert!(met.iter().any(|b| b.opaque && listed(b)), "{ray:?}");
             } else {
@@ -132,9 +132,9 @@ fn crowds_go_to_the_tree_and_hidden_things_nowhere() {
     let sphere = |primitive: u32, z: f32, radius: f32| {
         let sphere = Sphere::new(Vec3::new(0.0, 0.0, z), radius);
         let object = ObjectId::from_index(primitive);
-        Body { object, bounds: sphere.bounds(), sphere: Some(sphere), opaque: true }
+        BufferedObject { object, bounds: sphere.bounds(), sphere: Some(sphere), opaque: true }
     };
-    let mut bodies: Vec<Body> = (0..1000).map(|i| sphere(i, -(i as f32), 0.01)).collect();
+    let mut bodies: Vec<BufferedObject> = (0..1000).map(|i| sphere(i, -(i as f32), 0.01)).collect();
     let ahead = Ray::new(apex, Vec3::NEG_Z);
     assert!(ItemBuffer::new(apex, &bodies, 0).unwrap().seen_along(&ahead).is_none());
     bodies.push(sphere(1000, 2.0, 1.0));

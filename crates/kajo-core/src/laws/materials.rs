@@ -12,7 +12,7 @@ use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::NormalDistribution};
 use crate::material::{
     Appearance, Blend, BtfMaterial, BtfSettings, Embossed, Glass, GlassSettings, Grain, LayeredMaterial,
-    Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, NullBoundary, Perforated, PhongMaterial,
+    Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, NullInterface, Perforated, PhongMaterial,
     Relief, ShadingPoint, SpecularLayer, Substance, SubsurfaceBody,
 };
 use crate::measured::btf::tests::cloth_texture;
@@ -192,7 +192,7 @@ fn who(kind: &'static str, name: String) -> Who {
 
 pub(super) fn census() -> Census {
     // Gas scatters nothing. Where nothing is but the end of a medium, light goes straight on.
-    let nothing = &["accretion_disks", "null_boundaries"];
+    let nothing = &["accretion_disks", "null_interfaces"];
     Census { family: "material", kinds: Materials::KINDS.to_vec(), pointlike: nothing, unpowered: nothing }
 }
 
@@ -292,7 +292,7 @@ fn materials_are_what_they_say() {
 #[test]
 fn wrappers_answer_as_what_they_wrap() {
     let Samples { mut appearance, .. } = made();
-    let boundary = NullBoundary { medium: appearance.media.ids().next(), priority: 3 };
+    let boundary = NullInterface { medium: appearance.media.ids().next(), priority: 3 };
     boundary.store(&mut appearance.materials).expect("there is room");
     let ids: Vec<MaterialId> = appearance.materials.ids().collect();
     for part in ids {

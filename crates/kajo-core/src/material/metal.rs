@@ -16,7 +16,7 @@ use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, Tex
 #[derive(Clone, Debug)]
 pub enum Substance {
     /// Measured index and extinction.
-    Measured(metal::Metal),
+    Measured(metal::MeasuredMetal),
     /// Reflectance straight on; towards the horizon it goes to white.
     Color(ColorTexture),
 }

@@ -9,7 +9,7 @@ mod glass;
 mod matte;
 mod measured;
 mod metal;
-mod null_boundary;
+mod null_interface;
 mod orientation;
 mod parts;
 mod perforated;
@@ -25,7 +25,7 @@ pub use glass::{Glass, GlassSettings};
 pub use matte::Matte;
 pub use measured::MeasuredMaterial;
 pub use metal::{Metal, Substance};
-pub use null_boundary::NullBoundary;
+pub use null_interface::NullInterface;
 pub use orientation::{Grain, Lean, Orientation};
 pub use perforated::Perforated;
 pub use phong::{PhongMaterial, PhongTextures};
@@ -203,7 +203,7 @@ family! {
         mattes: Matte,
         measured: MeasuredMaterial,
         metals: Metal,
-        null_boundaries: NullBoundary,
+        null_interfaces: NullInterface,
         perforated: Perforated,
         phongs: PhongMaterial,
     }

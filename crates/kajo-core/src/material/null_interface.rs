@@ -16,7 +16,7 @@ use crate::texture::{AnyTexture, TextureContext};
 
 /// The boundary of a medium and nothing else.
 #[derive(Clone, Debug)]
-pub struct NullBoundary {
+pub struct NullInterface {
     /// What is inside, which adds to what is there; `None` for nothing, which in a body of a lower priority is a cavity.
     pub medium: Option<MediumId>,
     /// The body of the higher priority is there where several overlap.
@@ -29,14 +29,14 @@ const CLEAR: Phong = Phong { transparent: Spectrum::WHITE, eta: 1.0, ..Phong::BL
 /// Indices nearer to each other than this part are the same: what the steps along a curve may have left.
 const SAME_INDEX: f32 = 1e-6;
 
-impl NullBoundary {
+impl NullInterface {
     /// Index of refraction inside, where the medium has one.
     fn index(&self, appearance: &Appearance, p: Vec3, wavelengths: &Wavelengths) -> Option<f32> {
         appearance.media.index(self.medium?, p, wavelengths)
     }
 }
 
-impl Material for NullBoundary {
+impl Material for NullInterface {
     fn is_finite(&self) -> bool {
         true
     }
@@ -77,7 +77,7 @@ impl Material for NullBoundary {
     }
 
     fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
-        let &NullBoundary { medium, priority } = self;
+        let &NullInterface { medium, priority } = self;
         let eta = self.index(appearance, at.context.p, at.wavelengths);
         let is_dispersive = medium.is_some_and(|medium| appearance.media.is_dispersive(medium));
         // What bends light is alone.

@@ -10,7 +10,7 @@ use kajo_scene::{Block, GridMap, SparseVoxels, VoxelValue};
 pub struct PlacedVoxels<T = f32> {
     pub(super) voxels: Arc<SparseVoxels<T>>,
     /// Between the world and voxels, of which the first fills the unit cube.
-    pub(super) place: Transform,
+    pub(super) transform: Transform,
 }
 
 impl<T: VoxelValue> PlacedVoxels<T> {
@@ -18,7 +18,7 @@ impl<T: VoxelValue> PlacedVoxels<T> {
     ///
     /// `None` for a map that has no inverse.
     pub fn new(voxels: SparseVoxels<T>, map: &DAffine3) -> Option<PlacedVoxels<T>> {
-        Some(PlacedVoxels { voxels: Arc::new(voxels), place: Transform::new(map)? })
+        Some(PlacedVoxels { voxels: Arc::new(voxels), transform: Transform::new(map)? })
     }
 
     /// The box of the voxels, in their own space.
@@ -50,7 +50,7 @@ impl<T: VoxelValue> PlacedVoxels<T> {
 
     /// The eight voxels between whose middles a world-space point is, with their weights; outside of the box those of the nearest point in it.
     pub(super) fn around(&self, p: Vec3, mut show: impl FnMut(T, f32)) {
-        let p = self.place.object_from_world.transform_point3(p);
+        let p = self.transform.object_from_world.transform_point3(p);
         let last = self.voxels.size().map(|n| n - 1);
         let p = (p - 0.5).clamp(Vec3::ZERO, Vec3::from(last.map(|n| n as f32)));
         let low = p.to_array().map(|x| x as u32);
@@ -72,7 +72,7 @@ impl<T: VoxelValue> PlacedVoxels<T> {
 impl PlacedVoxels {
     /// The number at a world-space point, interpolated; `None` outside of the box of the voxels.
     pub fn within(&self, p: Vec3) -> Option<f32> {
-        let p = self.place.object_from_world.transform_point3(p);
+        let p = self.transform.object_from_world.transform_point3(p);
         self.extent().contains(p).then(|| self.interpolated(p))
     }
 
@@ -83,7 +83,7 @@ impl PlacedVoxels {
 
     /// The number at a world-space point, interpolated; outside of the box that of its nearest voxel.
     pub fn at(&self, p: Vec3) -> f32 {
-        self.interpolated(self.place.object_from_world.transform_point3(p))
+        self.interpolated(self.transform.object_from_world.transform_point3(p))
     }
 
     /// * `p`: in the space of the voxels

@@ -35,7 +35,7 @@ impl SparseGridMedium {
     /// [`GridError::Voxel`] for a density that is none.
     pub fn new(coefficients: Coefficients, grid: PlacedVoxels) -> Result<SparseGridMedium, GridError> {
         let extent = grid.extent();
-        let bounds = grid.place.bounds(&extent);
+        let bounds = grid.transform.bounds(&extent);
         let majorants = majorants(&grid.voxels, extent)?;
         Ok(SparseGridMedium { coefficients, grid, majorants, bounds })
     }
@@ -114,7 +114,7 @@ impl Medium for SparseGridMedium {
     }
 
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {
-        Majorants::cells(self.majorants.walk(&self.grid.place.ray_in_object(ray)))
+        Majorants::cells(self.majorants.walk(&self.grid.transform.ray_in_object(ray)))
     }
 }
 

@@ -214,10 +214,10 @@ impl<'a> SampleStream<'a> {
         let [order, of_columns, _] = pattern.words([0, 0]);
         let order_in = |which: [u32; 2]| pattern.words(which)[0];
         let s = permute(self.sample % n, n, order);
-        let (row, place) = (s / columns, s % columns);
-        let column = permute(place, columns, of_columns);
+        let (row, stratum) = (s / columns, s % columns);
+        let column = permute(stratum, columns, of_columns);
         let in_column = permute(row, rows, order_in([column, 1]));
-        let in_row = permute(place, columns.min(n - row * columns), order_in([row, 2]));
+        let in_row = permute(stratum, columns.min(n - row * columns), order_in([row, 2]));
         let x = (in_column as f32 + self.stream.uniform(d)) / rows as f32;
         let y = ((row * columns + in_row) as f32 + self.stream.uniform(d + 1)) / n as f32;
         Vec2::new((column as f32 + x) / columns as f32, y).min(Vec2::splat(BELOW_ONE))
@@ -234,8 +234,8 @@ impl<'a> SampleStream<'a> {
         let rows = n.div_ceil(columns);
         let [order, of_columns, of_rows] = self.pattern(d, self.sample / n);
         let s = permute(self.sample % n, n, order);
-        let (row, place) = (s / columns, s % columns);
-        let column = permute(place, columns, of_columns);
+        let (row, stratum) = (s / columns, s % columns);
+        let column = permute(stratum, columns, of_columns);
         let in_column = permute(row, rows, of_rows);
         let x = (in_column as f32 + self.stream.uniform(d)) / rows as f32;
         let y = (s as f32 + self.stream.uniform(d + 1)) / n as f32;
@@ -264,16 +264,16 @@ impl<'a> SampleStream<'a> {
     /// In the pixel the points come in their own order, so that the first few samples are well spread already.
     #[inline]
     fn progressive(&self, d: u32) -> [u32; 2] {
-        let (place, by) = self.index_in_set(d);
-        let [x, y] = self.sampler.points[place];
+        let (index, by) = self.index_in_set(d);
+        let [x, y] = self.sampler.points[index];
         [x ^ by[0], y ^ by[1]]
     }
 
     /// A point of the Poisson-disk set, moved around the torus.
     #[inline]
     fn disk(&self, d: u32) -> [u32; 2] {
-        let (place, by) = self.index_in_set(d);
-        let [x, y] = self.sampler.points[place];
+        let (index, by) = self.index_in_set(d);
+        let [x, y] = self.sampler.points[index];
         [x.wrapping_add(by[0]), y.wrapping_add(by[1])]
     }
 
@@ -283,8 +283,8 @@ impl<'a> SampleStream<'a> {
         let n = self.sampler.points.len().max(1) as u32;
         let [x, y, order] = self.pattern(d, self.sample / n);
         let own = self.sample % n;
-        let place = if d == 0 { own } else { permute(own, n, order) };
-        (place as usize, [x, y])
+        let index = if d == 0 { own } else { permute(own, n, order) };
+        (index as usize, [x, y])
     }
 }
 

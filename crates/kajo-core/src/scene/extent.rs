@@ -16,11 +16,11 @@ use crate::shape::{Mesh, ShapeId, Shapes, Sphere, Tessellation};
 /// What some objects of a scene reach to.
 #[derive(Debug)]
 pub struct Extent<'a> {
-    bodies: Vec<Body<'a>>,
+    bodies: Vec<ExtentPart<'a>>,
 }
 
 #[derive(Debug)]
-struct Body<'a> {
+struct ExtentPart<'a> {
     /// World space.
     bounds: Aabb,
     form: Form<'a>,
@@ -52,19 +52,19 @@ impl Geometry {
         // Names within a definition are those of many objects, so what places them is asked for by the first of each.
         let of_nested = |(placement, bounds): (&Placement, Aabb)| {
             let object = self.object(self.first_nested().after(placement.first))?;
-            is_wanted(&object).then_some(Body { bounds, form: Form::Box })
+            is_wanted(&object).then_some(ExtentPart { bounds, form: Form::Box })
         };
         let bodies = wanted.chain(nested.filter_map(of_nested));
         Extent { bodies: bodies.filter(|body| body.bounds.is_finite() && !body.bounds.is_empty()).collect() }
     }
 
-    fn body(&self, primitive: &Primitive) -> Body<'_> {
+    fn body(&self, primitive: &Primitive) -> ExtentPart<'_> {
         let bounds = self.world_bounds(primitive);
         let form = match primitive.pose.still_in(&self.transforms) {
             Some(transform) => self.form(primitive.shape, transform.world_from_object),
             None => Form::Box,
         };
-        Body { bounds, form }
+        ExtentPart { bounds, form }
     }
 
     fn form(&self, shape: ShapeId, map: kajo_math::Affine3A) -> Form<'_> {

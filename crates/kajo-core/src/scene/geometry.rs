@@ -11,7 +11,7 @@ use super::rarely;
 use crate::family::Pooled;
 use crate::ids::{ObjectId, PoseId};
 use crate::interaction::{SurfaceUv, Tangents};
-use crate::item_buffer::{Body, ItemBuffer};
+use crate::item_buffer::{BufferedObject, ItemBuffer};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::nested::{Leaf, Nested, NestedElement};
@@ -201,9 +201,9 @@ impl Geometry {
             let sphere = Sphere::find(&self.shapes, p.shape).filter(|_| untransformed).copied();
             let bounded = bounds.is_finite() && !bounds.is_empty() && !self.is_moving(p);
             let object = ObjectId::from_index(index);
-            bounded.then_some(Body { object, bounds, sphere, opaque: !p.transmits })
+            bounded.then_some(BufferedObject { object, bounds, sphere, opaque: !p.transmits })
         };
-        let bodies: Vec<Body> = (0..).zip(&self.primitives).filter_map(body).collect();
+        let bodies: Vec<BufferedObject> = (0..).zip(&self.primitives).filter_map(body).collect();
         ItemBuffer::new(apex, &bodies, cells)
     }
 

@@ -38,7 +38,7 @@ pub const MAX_GAMMA: f64 = 1000.0;
 
 /// How a camera moves, and when its picture is taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Observer {
+pub struct CameraMotion {
     /// Its velocity in the world, as a fraction of the speed of light.
     pub velocity: DVec3,
     /// The moment of the world, in the time in which light goes one unit of length. Things have the places of the scene's text at the
@@ -94,7 +94,7 @@ pub struct Relativity {
     /// Of the objects that do not rest in the world.
     objects: HashMap<usize, FrameId>,
     /// The camera's observer.
-    pub observer: Observer,
+    pub observer: CameraMotion,
 }
 
 /// Light that arrives at an event of a frame, followed back in time; see the head of this module.
@@ -122,7 +122,7 @@ impl Relativity {
     pub(crate) fn new(
         frames: Vec<RestFrame>,
         objects: impl Iterator<Item = (usize, FrameId)>,
-        observer: Observer,
+        observer: CameraMotion,
     ) -> Relativity {
         Relativity { frames, objects: objects.collect(), observer }
     }
@@ -182,7 +182,7 @@ impl Relativity {
     ///
     /// * `pivot`: the camera's own place at the moment 0 of the world
     pub fn observed(&self, ray: &Ray, pivot: Vec3) -> LightRay {
-        let Observer { velocity, time } = self.observer;
+        let CameraMotion { velocity, time } = self.observer;
         let pivot = pivot.as_dvec3();
         let start = SpacetimeEvent { t: 0.0, x: pivot };
         let map = FrameMap::boost(velocity, start).unwrap_or(FrameMap::IDENTITY);

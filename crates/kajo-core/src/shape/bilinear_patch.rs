@@ -81,8 +81,8 @@ impl BilinearPatch {
             .into_iter()
             .fold(false, |odd, (p, q)| odd != crosses_axis(p, q));
         let mut found: [Option<DVec2>; 2] = [None; 2];
-        for (u, place) in columns(b).into_iter().zip(&mut found) {
-            *place = u.map(|u| {
+        for (u, uv) in columns(b).into_iter().zip(&mut found) {
+            *uv = u.map(|u| {
                 let (near, far) = (p00.lerp(p10, u), p01.lerp(p11, u));
                 let along = far - near;
                 DVec2::new(u, -near.dot(along) / along.length_squared())
@@ -138,7 +138,7 @@ fn nearest_of_border([p00, p10, p01, p11]: [DVec2; 4]) -> DVec2 {
 
 /// Of the places on the lines that go through the origin, those within a patch seen so: as many, odd or even, as its edges say.
 fn settled(found: [Option<DVec2>; 2], seen: [DVec2; 4], is_odd: bool) -> [Option<DVec2>; 2] {
-    let inside = found.map(|place| place.filter(|place| (0.0..=1.0).contains(&place.y)));
+    let inside = found.map(|uv| uv.filter(|uv| (0.0..=1.0).contains(&uv.y)));
     let count = inside.iter().flatten().count();
     if (count % 2 == 1) == is_odd {
         return inside;
@@ -248,11 +248,11 @@ mod tests {
                 let line = Ray64 { o: patch.at(uv).0 - far * d, d };
                 let found: Vec<DVec2> = patch.crossings(&line).collect();
                 assert!(
-                    found.iter().any(|place| place.distance(uv) < 1e-8),
+                    found.iter().any(|known| known.distance(uv) < 1e-8),
                     "{seed}: {found:?} without {uv}"
                 );
-                for place in found {
-                    let w = patch.at(place).0 - line.o;
+                for uv in found {
+                    let w = patch.at(uv).0 - line.o;
                     assert!(w.cross(d).length() < 1e-10, "{seed}: {}", w.cross(d).length());
                 }
             }

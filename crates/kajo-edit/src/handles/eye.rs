@@ -42,7 +42,7 @@ impl Eye<'_> {
 
     /// All places where a point appears: one, or one for each eye.
     pub fn projections(&self, p: DVec3) -> [Option<DVec2>; 2] {
-        self.pose.projections(p, self.size).map(|place| place.filter(|place| place.is_finite()))
+        self.pose.projections(p, self.size).map(|position| position.filter(|position| position.is_finite()))
     }
 
     /// The place where a point appears that is nearest to another place.
@@ -52,8 +52,8 @@ impl Eye<'_> {
     }
 
     /// What a place of the picture sees.
-    pub(super) fn sight(&self, place: DVec2) -> Option<Sight> {
-        let ray = self.pose.ray(place, self.size)?;
+    pub(super) fn sight(&self, position: DVec2) -> Option<Sight> {
+        let ray = self.pose.ray(position, self.size)?;
         Some(Sight { origin: ray.o.as_dvec3(), direction: ray.d.as_dvec3(), only_ahead: ray.t_min >= 0.0 })
     }
 

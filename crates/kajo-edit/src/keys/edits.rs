@@ -165,7 +165,7 @@ impl Tree {
     /// The keys that a number is written as, or that the value has whose name it is written as.
     fn block_at(&self, place: Span) -> Option<Block<'_>> {
         let at = self.range_of(place);
-        if let Some(keyed) = self.desc.keyed().iter().find(|keyed| self.range_of(keyed.place) == at) {
+        if let Some(keyed) = self.desc.keyed().iter().find(|keyed| self.range_of(keyed.span) == at) {
             return self.block(keyed, &[]);
         }
         let text = self.desc.sources().text(place);
@@ -180,7 +180,7 @@ impl Tree {
         let (_, named) = self.desc.expressions().find(|(span, _)| *span == place)?;
         let (keyed, _) =
             same.into_iter().rfind(|(_, (_, value))| Some(value.name) == named.map(|named| named.name))?;
-        let span = self.range_of(keyed.place);
+        let span = self.range_of(keyed.span);
         self.key_blocks().into_iter().find(|block| block.row.span == span)
     }
 

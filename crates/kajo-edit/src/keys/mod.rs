@@ -55,7 +55,7 @@ impl Tree {
         let mut seen: HashSet<(FileId, usize)> = HashSet::new();
         let mut blocks: Vec<Block<'_>> = Vec::new();
         for keyed in self.desc.keyed() {
-            let (file, range) = self.range_of(keyed.place);
+            let (file, range) = self.range_of(keyed.span);
             // One file may be included several times.
             if seen.insert((file, range.start)) {
                 blocks.extend(self.block(keyed, &blocks));
@@ -86,7 +86,7 @@ impl Tree {
             KeysOwner::Item { item, first } => self.field_of(item, first as usize, keyed)?,
             KeysOwner::Value(index) => {
                 let name = self.desc.named_values().nth(index as usize)?.0;
-                let file = self.file_of(keyed.place.source);
+                let file = self.file_of(keyed.span.source);
                 let is_same = |other: &&Block<'_>| other.row.owner.is_named(file, name);
                 let nth = others.iter().filter(is_same).count();
                 let owner = KeyOwner::Named { file, name: name.to_owned(), nth };
@@ -100,7 +100,7 @@ impl Tree {
         Some(KeyRow {
             owner,
             name,
-            span: self.range_of(keyed.place),
+            span: self.range_of(keyed.span),
             interpolation: keyed.interpolation,
             outside: keyed.outside,
             keys: keyed.keys.iter().map(key).collect(),

@@ -56,8 +56,8 @@ impl TracedPreview {
         let share =
             DVec2::new(picture[0].into(), picture[1].into()) / DVec2::new(columns as f64, rows as f64);
         let look = |x: usize, y: usize| {
-            let place = (DVec2::new(x as f64, y as f64) + 0.5) * share;
-            camera.ray(place, picture).and_then(|ray| hit(scene, &ray)).unwrap_or(nothing)
+            let position = (DVec2::new(x as f64, y as f64) + 0.5) * share;
+            camera.ray(position, picture).and_then(|ray| hit(scene, &ray)).unwrap_or(nothing)
         };
         let threads = thread::available_parallelism().map_or(1, usize::from).min(rows);
         let band = rows.div_ceil(threads);
@@ -83,17 +83,17 @@ impl TracedPreview {
     }
 
     /// Number of the object at a place of the camera's picture, as in the id layers; 0 for nothing.
-    pub fn object(&self, place: DVec2) -> u32 {
-        self.at(place).map_or(0, |met| met.object)
+    pub fn object(&self, position: DVec2) -> u32 {
+        self.at(position).map_or(0, |met| met.object)
     }
 
     /// Distance along the camera's ray to what is seen at a place of its picture; infinite for nothing.
-    pub fn distance(&self, place: DVec2) -> f32 {
-        self.at(place).map_or(f32::INFINITY, |met| met.distance)
+    pub fn distance(&self, position: DVec2) -> f32 {
+        self.at(position).map_or(f32::INFINITY, |met| met.distance)
     }
 
-    fn at(&self, place: DVec2) -> Option<&PixelHit> {
-        let share = place / DVec2::new(self.picture[0].into(), self.picture[1].into());
+    fn at(&self, position: DVec2) -> Option<&PixelHit> {
+        let share = position / DVec2::new(self.picture[0].into(), self.picture[1].into());
         let inside = (0.0..1.0).contains(&share.x) && (0.0..1.0).contains(&share.y);
         let [columns, rows] = self.size.map(f64::from);
         let (x, y) = ((share.x * columns) as usize, (share.y * rows) as usize);

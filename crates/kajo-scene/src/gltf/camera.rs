@@ -58,8 +58,8 @@ impl Camera {
     /// The camera at its place, if it sees anything.
     ///
     /// * `node_name`: the name of its node, which goes before its own
-    /// * `place`: from the node's space to the model's
-    pub(super) fn placed(&self, node_name: Option<&Arc<str>>, place: &DAffine3) -> Option<ModelCamera> {
+    /// * `transform`: from the node's space to the model's
+    pub(super) fn placed(&self, node_name: Option<&Arc<str>>, transform: &DAffine3) -> Option<ModelCamera> {
         let view = match (&self.perspective, &self.orthographic) {
             (Some(Perspective { yfov }), _) => {
                 let sees = *yfov > 0.0 && *yfov < std::f64::consts::PI;
@@ -72,11 +72,11 @@ impl Camera {
             (None, None) => None,
         };
         let name = node_name.or(self.name.as_ref()).filter(|name| !name.is_empty());
-        let axis = |v: DVec3| place.transform_vector3(v).try_normalize();
-        let poses = axis(DVec3::NEG_Z).zip(axis(DVec3::Y)).filter(|_| place.translation.is_finite());
+        let axis = |v: DVec3| transform.transform_vector3(v).try_normalize();
+        let poses = axis(DVec3::NEG_Z).zip(axis(DVec3::Y)).filter(|_| transform.translation.is_finite());
         view.zip(poses).map(|(view, (direction, up))| ModelCamera {
             name: name.cloned(),
-            center: place.translation,
+            center: transform.translation,
             direction,
             up,
             view,

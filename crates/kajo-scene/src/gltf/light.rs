@@ -66,14 +66,14 @@ impl Light {
     /// The light at its place; `None` where that is nowhere.
     ///
     /// * `node_name`: the name of its node, which goes before its own
-    /// * `place`: from the node's space to the model's
+    /// * `transform`: from the node's space to the model's
     ///
     /// # Errors
     /// When there is no such type of light.
     pub(super) fn placed(
         &self,
         node_name: Option<&Arc<str>>,
-        place: &DAffine3,
+        transform: &DAffine3,
     ) -> Result<Option<ModelLight>, String> {
         let Cone { inner_cone_angle, outer_cone_angle } = self.spot;
         let outer = outer_cone_angle.clamp(0.0, std::f32::consts::FRAC_PI_2);
@@ -86,7 +86,7 @@ impl Light {
         let amount = |factor: f32| Some((factor * self.intensity.unwrap_or(1.0)).max(0.0));
         let finite = |x: &f32| x.is_finite();
         let intensity = self.color.unwrap_or([1.0; 3]).map(|c| amount(c).filter(finite).unwrap_or(0.0));
-        if !place.translation.as_vec3().is_finite() {
+        if !transform.translation.as_vec3().is_finite() {
             return Ok(None);
         }
         let name = node_name.or(self.name.as_ref()).filter(|name| !name.is_empty());
@@ -94,8 +94,8 @@ impl Light {
             name: name.cloned(),
             intensity,
             kind,
-            position: place.translation,
-            direction: place.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z),
+            position: transform.translation,
+            direction: transform.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z),
         }))
     }
 }

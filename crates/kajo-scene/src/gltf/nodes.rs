@@ -42,10 +42,16 @@ impl Reading<'_, '_> {
     /// Adds the instances of a node's mesh.
     ///
     /// * `number`: of the node
-    fn show(&mut self, tree: &mut Tree, mesh: usize, number: usize, place: &DAffine3) -> Result<(), String> {
+    fn show(
+        &mut self,
+        tree: &mut Tree,
+        mesh: usize,
+        number: usize,
+        transform: &DAffine3,
+    ) -> Result<(), String> {
         let Reading { document, buffers, limits, budget, numbers } = self;
         let node = &document.nodes[number];
-        let place = *place;
+        let transform = *transform;
         let named = |said: String| format!("nodes[{number}]: {said}");
         let Some(shown) = document.meshes.get(mesh) else {
             return Err(named(format!("there is no meshes[{mesh}]")));
@@ -67,7 +73,7 @@ impl Reading<'_, '_> {
             tree.shown.len() - 1
         });
         // The joints of a skin say where it is, whatever its own node does.
-        let base = if node.skin.is_some() { DAffine3::IDENTITY } else { place };
+        let base = if node.skin.is_some() { DAffine3::IDENTITY } else { transform };
         let place_of = |i| many.as_ref().map_or(base, |many| base * many.get(i));
         model.instances.extend((0..count).map(|i| ModelInstance {
             name: name.clone(),
@@ -92,8 +98,8 @@ pub(super) fn read(
         roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY)).collect();
     while let Some((number, parent)) = open.pop() {
         let node = document.nodes.get(number).ok_or_else(|| format!("there is no nodes[{number}]"))?;
-        let place = parent * local(node);
-        if tree.places[number].replace(place).is_some() {
+        let transform = parent * local(node);
+        if tree.places[number].replace(transform).is_some() {
             return Err(format!("nodes[{number}] hangs on two places of the tree"));
         }
         if node.extensions.as_ref().is_some_and(|extensions| !extensions.visibility.visible) {
@@ -101,17 +107,17 @@ pub(super) fn read(
         }
         let named = |said: String| format!("nodes[{number}]: {said}");
         if let Some(mesh) = node.mesh {
-            reading.show(&mut tree, mesh, number, &place)?;
+            reading.show(&mut tree, mesh, number, &transform)?;
         }
-        if let Some(light) = light_of(document, node, &place).map_err(named)? {
+        if let Some(light) = light_of(document, node, &transform).map_err(named)? {
             reading.budget.take::<ModelLight>(1)?;
             tree.model.lights.push(light);
         }
-        if let Some(camera) = camera_of(document, node, &place).map_err(named)? {
+        if let Some(camera) = camera_of(document, node, &transform).map_err(named)? {
             reading.budget.take::<ModelCamera>(1)?;
             tree.model.cameras.push(camera);
         }
-        open.extend(node.children.iter().rev().map(|&child| (child, place)));
+        open.extend(node.children.iter().rev().map(|&child| (child, transform)));
     }
     Ok(tree)
 }
@@ -214,18 +220,18 @@ pub(super) fn affine(m: &[f64; 16]) -> DAffine3 {
 }
 
 /// The camera of a node, if it has one that sees anything.
-fn camera_of(document: &Document, node: &Node, place: &DAffine3) -> Result<Option<ModelCamera>, String> {
+fn camera_of(document: &Document, node: &Node, transform: &DAffine3) -> Result<Option<ModelCamera>, String> {
     let Some(number) = node.camera else { return Ok(None) };
     let camera = document.cameras.get(number).ok_or_else(|| format!("there is no cameras[{number}]"))?;
-    Ok(camera.placed(node.name.as_ref(), place))
+    Ok(camera.placed(node.name.as_ref(), transform))
 }
 
 /// The light of a node, if it has one and stands anywhere.
-fn light_of(document: &Document, node: &Node, place: &DAffine3) -> Result<Option<ModelLight>, String> {
+fn light_of(document: &Document, node: &Node, transform: &DAffine3) -> Result<Option<ModelLight>, String> {
     let Some(said) = node.extensions.as_ref().and_then(|extensions| extensions.light.as_ref()) else {
         return Ok(None);
     };
     let lights = document.extensions.as_ref().and_then(|extensions| extensions.lights.as_ref());
     let light = lights.and_then(|lights| lights.lights.get(said.light));
-    light.ok_or_else(|| format!("there is no light {}", said.light))?.placed(node.name.as_ref(), place)
+    light.ok_or_else(|| format!("there is no light {}", said.light))?.placed(node.name.as_ref(), transform)
 }

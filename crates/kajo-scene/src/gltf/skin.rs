@@ -63,8 +63,8 @@ impl<'d> Poses<'d> {
             }
         };
         // A skin without a place leaves its mesh where its node is.
-        let place = || tree.places[number].map(|place| Rc::from([place]));
-        Ok(Pose { weights, joints: joints.or_else(place) })
+        let transform = || tree.places[number].map(|transform| Rc::from([transform]));
+        Ok(Pose { weights, joints: joints.or_else(transform) })
     }
 
     fn joints(
@@ -81,9 +81,9 @@ impl<'d> Poses<'d> {
         }
         budget.take::<DAffine3>(skin.joints.len())?;
         let joint = |(i, &number): (usize, &usize)| {
-            let place = tree.places.get(number).copied().flatten()?;
+            let transform = tree.places.get(number).copied().flatten()?;
             let bound = bound.as_ref().map_or(DAffine3::IDENTITY, |bound| affine(&bound.get(i)));
-            Some(place * bound).filter(|map| map.is_finite())
+            Some(transform * bound).filter(|map| map.is_finite())
         };
         Ok(skin.joints.iter().enumerate().map(joint).collect())
     }

@@ -46,7 +46,7 @@ impl Parser<'_> {
                 let written = &text[place.range()];
                 if number(written).is_none() {
                     let value = self.scope.find(written).map(|(_, index)| index);
-                    self.desc.expressions.push(Expression { place, value });
+                    self.desc.expressions.push(Expression { span: place, value });
                 }
                 let values = if has_changed.get() {
                     // It has a value at the frame, so it is read to the same end at other moments.

@@ -40,17 +40,17 @@ impl Parser<'_> {
         }
         match self.read_keys(text, word.start as usize) {
             Ok(read) => {
-                let place = Span { end: read.end as u32, ..word };
+                let span = Span { end: read.end as u32, ..word };
                 let (first, end) = self.desc.nodes[taker as usize].numbers;
-                let curve = self.note_keys(KeysOwner::Item { item: taker, first: end - first }, place, read);
+                let curve = self.note_keys(KeysOwner::Item { item: taker, first: end - first }, span, read);
                 let frames = |moment| self.clock.frames_at(moment);
                 let rows: Vec<Vec<f64>> = (0..self.clock.len()).map(|i| curve.at(frames(i))).collect();
                 self.desc.changes = true;
-                self.desc.expressions.push(Expression { place, value: None });
+                self.desc.expressions.push(Expression { span, value: None });
                 for c in 0..curve.width() {
-                    self.add_changing(taker, place, rows.iter().map(|row| row[c]).collect());
+                    self.add_changing(taker, span, rows.iter().map(|row| row[c]).collect());
                 }
-                Some(place.end)
+                Some(span.end)
             }
             Err(error) => {
                 let end = behind_block(text, word.end).unwrap_or(resume_after(
@@ -83,8 +83,8 @@ impl Parser<'_> {
                 return Err(ExpressionError { message, at: start..end, help: None });
             }
             let owner = KeysOwner::Value(self.desc.values.len() as u32);
-            let place = Span { source: self.source(), start: start as u32, end: end as u32 };
-            let curve = self.note_keys(owner, place, read);
+            let span = Span { source: self.source(), start: start as u32, end: end as u32 };
+            let curve = self.note_keys(owner, span, read);
             let at = |moment| curve.one_at(self.clock.frames_at(moment), 0);
             let values: Vec<f64> = (0..self.clock.len()).map(at).collect();
             Ok(Changing { evaluated: Evaluated { value: values[0], end, is_name: false }, values })
@@ -92,11 +92,11 @@ impl Parser<'_> {
     }
 
     /// Remembers where keys are written; returns their curves.
-    fn note_keys(&mut self, owner: KeysOwner, place: Span, read: ReadKeys) -> KeyedNumbers {
+    fn note_keys(&mut self, owner: KeysOwner, span: Span, read: ReadKeys) -> KeyedNumbers {
         let ReadKeys { curve, rows: keys, interpolation, outside, .. } = read;
         if self.is_first_turn() {
             let is_repeated = !self.repeats.is_empty();
-            self.desc.keyed.push(WrittenKeys { place, owner, interpolation, outside, keys, is_repeated });
+            self.desc.keyed.push(WrittenKeys { span, owner, interpolation, outside, keys, is_repeated });
         }
         curve
     }

@@ -80,7 +80,7 @@ impl Parser<'_> {
                 let whole = Span { start, end: found.end as u32, ..span };
                 let name = &text[whole.range()];
                 let value = self.scope.find(name).filter(|_| found.is_name).map(|(_, index)| index);
-                self.desc.expressions.push(Expression { place: whole, value });
+                self.desc.expressions.push(Expression { span: whole, value });
                 self.add_value(taker, whole, found.value, values);
                 Some(whole.end)
             }
@@ -150,15 +150,15 @@ impl Parser<'_> {
         let Some(token) = ahead.next_significant() else {
             return self.damage(wrong(keyword, "expected a name after this"));
         };
-        let place = Span { source, start: token.start, end: token.end };
+        let span = Span { source, start: token.start, end: token.end };
         let Some(name) = name_at(&text[token.start as usize..]) else {
-            return self.damage(wrong(place, "expected a name"));
+            return self.damage(wrong(span, "expected a name"));
         };
         let behind = token.start as usize + name.len();
         let rest = text[behind..].trim_start();
         let Some(expression) = rest.strip_prefix('=') else {
             *tokens = ahead;
-            return self.damage(wrong(place, "expected `=` after the name"));
+            return self.damage(wrong(span, "expected `=` after the name"));
         };
         let start = text.len() - expression.trim_start().len();
         let name_span = Span { source, start: token.start, end: behind as u32 };
@@ -187,13 +187,13 @@ impl Parser<'_> {
     }
 
     /// Gives a name to a value, up to the end of the innermost block.
-    fn name_value(&mut self, place: NamedValue, name: &str, value: f64) {
+    fn name_value(&mut self, named: NamedValue, name: &str, value: f64) {
         if expression::is_reserved(name) {
             let error = Diagnostic::error(format!("`{name}` has a meaning in expressions already"));
-            self.error(error.label(place.name, "choose another name"));
+            self.error(error.label(named.name, "choose another name"));
         }
         self.scope.add(name, value, self.desc.values.len() as u32);
-        self.desc.values.push(place);
+        self.desc.values.push(named);
     }
 
     /// Whether a `repeat` begins a repeated block; that of a picture is followed by a number.
@@ -294,17 +294,17 @@ impl Parser<'_> {
         if let Some(frame) = self.frames.last_mut() {
             frame.source = turn;
         }
-        let place = NamedValue { name: Span { source: turn, ..repeat.name_span }, literal: None };
-        self.name_value(place, &repeat.name, repeat.turn as f64);
+        let named = NamedValue { name: Span { source: turn, ..repeat.name_span }, literal: None };
+        self.name_value(named, &repeat.name, repeat.turn as f64);
     }
 
     /// Ends a turn of the innermost repeat at its `}`.
     ///
     /// Returns where reading goes on for the next turn; `None` after the last one.
-    pub(super) fn end_turn(&mut self, place: Span, scope: usize) -> Result<Option<u32>, Stop> {
+    pub(super) fn end_turn(&mut self, span: Span, scope: usize) -> Result<Option<u32>, Stop> {
         let Some(mut repeat) = self.repeats.pop() else { return Ok(None) };
         self.scope.forget(scope);
-        self.count_turn(place)?;
+        self.count_turn(span)?;
         repeat.turn += 1;
         let has_failed = self.diagnostics.count(Severity::Error) > repeat.errors;
         // The other turns would only say the same.
@@ -317,7 +317,7 @@ impl Parser<'_> {
         }
         let body = repeat.body;
         self.begin_turn(&repeat);
-        self.blocks.push((Block::Repeat(place), scope));
+        self.blocks.push((Block::Repeat(span), scope));
         self.repeats.push(repeat);
         Ok(Some(body))
     }
@@ -328,17 +328,17 @@ impl Parser<'_> {
     }
 
     /// Counts a turn as an item.
-    fn count_turn(&mut self, place: Span) -> Result<(), Stop> {
+    fn count_turn(&mut self, span: Span) -> Result<(), Stop> {
         self.turns += 1;
         if self.desc.nodes.len() + self.turns > self.limits.items {
             let error = Diagnostic::error(format!(
                 "the scene has more than {} items, repeated ones and turns of `repeat` counted",
                 self.limits.items
             ));
-            self.damage(error.label(place, "in this block").help("repeat fewer times"));
+            self.damage(error.label(span, "in this block").help("repeat fewer times"));
             return Err(Stop);
         }
-        self.memory_for_items(place)
+        self.memory_for_items(span)
     }
 
     /// Where reading goes on after a block that is not to be read.

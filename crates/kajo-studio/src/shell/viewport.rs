@@ -35,17 +35,20 @@ impl Area {
     }
 
     /// The point of the window where a place in the picture is.
-    pub fn point(&self, place: DVec2) -> egui::Pos2 {
+    pub fn point(&self, position: DVec2) -> egui::Pos2 {
         let [width, height] = self.size.map(f64::from);
-        let share = Vec2::new((place.x / width) as f32, (place.y / height) as f32);
+        let share = Vec2::new((position.x / width) as f32, (position.y / height) as f32);
         self.rect.min + share * self.rect.size()
     }
 
     /// The pixel under a point of the window.
     pub fn pixel(&self, point: egui::Pos2) -> Option<[u32; 2]> {
-        let place = self.picture_position(point)?;
+        let position = self.picture_position(point)?;
         let [width, height] = self.size;
-        Some([(place.x as u32).min(width.saturating_sub(1)), (place.y as u32).min(height.saturating_sub(1))])
+        Some([
+            (position.x as u32).min(width.saturating_sub(1)),
+            (position.y as u32).min(height.saturating_sub(1)),
+        ])
     }
 }
 
@@ -56,10 +59,10 @@ pub fn mouse(ui: &Ui, response: &Response, area: Area, studio: &Studio, handles:
         return actions;
     }
     if response.clicked()
-        && let Some(place) = response.interact_pointer_pos().and_then(|point| area.picture_position(point))
+        && let Some(position) = response.interact_pointer_pos().and_then(|point| area.picture_position(point))
     {
         let several = ui.input(|input| input.modifiers.command || input.modifiers.shift);
-        actions.push(Action::Pick(place, several));
+        actions.push(Action::Pick(position, several));
     }
     let delta = response.drag_delta();
     let by = DVec2::new(delta.x.into(), delta.y.into());
@@ -131,7 +134,8 @@ pub fn paint_debug_pixel(ui: &Ui, area: Area, studio: &Studio) {
 pub fn paint_handles(ui: &Ui, area: Area, studio: &Studio, handles: &Handles) {
     let painter = ui.painter().with_clip_rect(area.rect);
     let pointer = ui.input(|input| input.pointer.hover_pos()).and_then(|point| area.picture_position(point));
-    let hovered = pointer.and_then(|place| studio.handle_at(handles, place)).filter(|_| !studio.has_grip());
+    let hovered =
+        pointer.and_then(|position| studio.handle_at(handles, position)).filter(|_| !studio.has_grip());
     for line in &handles.lines {
         let width = if hovered == Some(line.handle) { 3.0 } else { 1.5 };
         let stroke = Stroke::new(width, color(handles.all[line.handle].kind));
@@ -141,7 +145,7 @@ pub fn paint_handles(ui: &Ui, area: Area, studio: &Studio, handles: &Handles) {
     }
     let points = handles.all.iter().enumerate().flat_map(|(index, handle)| {
         let places = studio.camera.projections(handle.at, area.size).into_iter().flatten();
-        places.map(move |place| (index, handle, area.point(place)))
+        places.map(move |position| (index, handle, area.point(position)))
     });
     for (index, handle, at) in points.filter(|(_, handle, _)| !matches!(handle.kind, HandleKind::Ring(_))) {
         let r = if hovered == Some(index) { 6.5 } else { 4.5 };

@@ -41,8 +41,8 @@ impl Studio {
     }
 
     /// The index of the handle at a place of the picture.
-    pub fn handle_at(&self, handles: &Handles, place: DVec2) -> Option<usize> {
-        let found = pick(&handles.all, &self.eye_of_handles(), place, REACH)?;
+    pub fn handle_at(&self, handles: &Handles, position: DVec2) -> Option<usize> {
+        let found = pick(&handles.all, &self.eye_of_handles(), position, REACH)?;
         handles.all.iter().position(|handle| std::ptr::eq(handle, found))
     }
 
@@ -54,8 +54,8 @@ impl Studio {
     pub(super) fn handle_action(&mut self, action: Action) {
         match action {
             Action::Gizmo(mode) => self.gizmo = if self.gizmo == mode { None } else { mode },
-            Action::Grab(place) => self.grab(place),
-            Action::DragTo(place, in_steps) => self.drag(place, in_steps),
+            Action::Grab(position) => self.grab(position),
+            Action::DragTo(position, in_steps) => self.drag(position, in_steps),
             Action::CancelDrag => {
                 self.settle();
                 self.grip = None;
@@ -71,27 +71,28 @@ impl Studio {
         }
     }
 
-    fn grab(&mut self, place: DVec2) {
+    fn grab(&mut self, position: DVec2) {
         let handles = self.handles();
-        let Some(handle) = self.handle_at(&handles, place).and_then(|index| handles.all.get(index)).cloned()
+        let Some(handle) =
+            self.handle_at(&handles, position).and_then(|index| handles.all.get(index)).cloned()
         else {
             return;
         };
         self.end_drag();
         if let Some(document) = &mut self.document {
             document.begin_gesture(format!("drag {}", handle.about));
-            self.grip = Some(Grip { handle, from: place });
+            self.grip = Some(Grip { handle, from: position });
         }
     }
 
-    fn drag(&mut self, place: DVec2, in_steps: bool) {
+    fn drag(&mut self, position: DVec2, in_steps: bool) {
         let Some(Grip { handle, from }) = &self.grip else { return };
         let size = f64::from(self.bounds().extent().length());
         let snap = match in_steps {
             true => Snap { length: round_step(size / 40.0), degrees: 15.0, factor: 0.1 },
             false => Snap::default(),
         };
-        let dragged = handle.drag(&self.eye_of_handles(), *from, place, &snap);
+        let dragged = handle.drag(&self.eye_of_handles(), *from, position, &snap);
         if let Some(dragged) = dragged {
             self.edit(&dragged.edit);
         }

@@ -36,20 +36,20 @@ pub struct Tracer {
     wake: Wake,
     last: Option<Request>,
     /// Where the camera stood for it.
-    place: Option<CameraState>,
+    pose: Option<CameraState>,
     job: u64,
 }
 
 impl Tracer {
     /// Nothing runs yet.
     pub fn new(wake: Wake) -> Tracer {
-        Tracer { session: session(0, &wake), threads: 0, wake, last: None, place: None, job: 0 }
+        Tracer { session: session(0, &wake), threads: 0, wake, last: None, pose: None, job: 0 }
     }
 
     /// Drops what runs and traces this.
     ///
-    /// * `place`: where the camera stands
-    pub fn start(&mut self, request: Request, job: Job, place: CameraState) {
+    /// * `pose`: where the camera stands
+    pub fn start(&mut self, request: Request, job: Job, pose: CameraState) {
         let threads = request.options.habits.threads;
         if threads != self.threads {
             self.session = session(threads, &self.wake);
@@ -57,7 +57,7 @@ impl Tracer {
         }
         self.job = self.session.start(job);
         self.last = Some(request);
-        self.place = Some(place);
+        self.pose = Some(pose);
     }
 
     /// Whether this was asked for last, whatever became of it.
@@ -107,7 +107,7 @@ impl Tracer {
 
     /// Where the camera stood for the trace that was started last.
     pub fn camera_state(&self) -> Option<CameraState> {
-        self.place.clone()
+        self.pose.clone()
     }
 
     /// Whether the picture belongs to the trace that was started last.

@@ -5,7 +5,7 @@ use kajo_scene::{Diagnostic, Item, Params};
 use crate::compile::Compiler;
 use crate::compile::fields::{Keys, Sources, flag, keys, number};
 use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
-use crate::compile::grid::{Grid, GridKeys, grid_keys};
+use crate::compile::grid::{GridKeys, VoxelValues, grid_keys};
 use crate::compile::member::{Member, ObjectMember};
 use crate::schema::{Block, Kind};
 use crate::shape::{DistanceGrid, ShapeId};
@@ -57,7 +57,7 @@ impl Compiler<'_> {
         keys: DistanceGridKeys,
     ) -> Option<ShapeId> {
         let DistanceGridKeys { level, closed, smooth } = keys;
-        let Grid { size, values, bounds } = self.grid(item, grid)?;
+        let VoxelValues { size, values, bounds } = self.grid(item, grid)?;
         match DistanceGrid::new(size, values, bounds, level, [closed, smooth]) {
             Ok(grid) => {
                 if grid.is_empty() {

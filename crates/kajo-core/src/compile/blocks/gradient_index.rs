@@ -10,7 +10,7 @@ use crate::compile::fields::{Keys, at_least, choice, choices, count, function, k
 use crate::compile::member::{MediumMember, Member};
 use crate::curved_light::Stepping;
 use crate::medium::GradientIndex;
-use crate::medium::gradient_index::{Dispersing, Profile, Turbulence};
+use crate::medium::gradient_index::{Dispersing, IndexTurbulence, Profile};
 use crate::schema::{Block, Kind};
 
 /// How light is followed, by its word.
@@ -50,7 +50,7 @@ keys! {
 impl CurveKeys {
     /// A medium of a profile, with what these keys say.
     pub fn medium(&self, profile: Profile, dispersing: Dispersing) -> GradientIndex {
-        let noise = Turbulence {
+        let noise = IndexTurbulence {
             amplitude: self.noise.into(),
             frequency: self.noise_frequency,
             octaves: self.octaves,

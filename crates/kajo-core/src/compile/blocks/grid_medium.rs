@@ -9,7 +9,7 @@ use crate::compile::Compiler;
 use crate::compile::fields::{
     At, Keys, Sources, Typed, at_least, keys, number, report_beside, report_without,
 };
-use crate::compile::grid::{FileVoxels, Grid, GridKeys, GridName, GridSource, grid_keys};
+use crate::compile::grid::{FileVoxels, GridKeys, GridName, GridSource, VoxelValues, grid_keys};
 use crate::compile::member::{MediumMember, Member};
 use crate::medium::{
     AlbedoGrid, AlbedoGridError, Coefficients, DensityGrid, GridError, GridMedium, Heat, PlacedVoxels,
@@ -97,8 +97,13 @@ fn heat_keys<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Opti
 }
 
 impl Compiler<'_> {
-    fn grid_medium(&mut self, item: Item<'_>, grid: Grid, coefficients: Coefficients) -> Option<GridMedium> {
-        let Grid { size, values, bounds: [min, max] } = grid;
+    fn grid_medium(
+        &mut self,
+        item: Item<'_>,
+        grid: VoxelValues,
+        coefficients: Coefficients,
+    ) -> Option<GridMedium> {
+        let VoxelValues { size, values, bounds: [min, max] } = grid;
         let grid = DensityGrid::new(size, values).map_err(|error| self.no_medium(item, error)).ok()?;
         let medium = GridMedium::new(coefficients, grid, Aabb { min, max });
         if medium.is_none() {

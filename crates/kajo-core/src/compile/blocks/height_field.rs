@@ -70,7 +70,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Height
     let HeightFieldKeys { file, function, resolution, center, size, heights, base, smooth } =
         HeightFieldKeys::read(params, sources)?;
     let source = match (file, function) {
-        (Some(file), _) => HeightSource::Picture { place: file.item.head_span(), name: file.value.0 },
+        (Some(file), _) => HeightSource::Picture { span: file.item.head_span(), name: file.value.0 },
         (None, Some(function)) => HeightSource::Function { function, resolution },
         (None, None) => {
             params.report_missing("file");

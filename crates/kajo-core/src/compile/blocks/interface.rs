@@ -4,7 +4,7 @@ use super::glass::{MEDIUM, PRIORITY};
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{Inside, Keys, keys};
 use crate::compile::member::{MaterialMember, Member};
-use crate::material::NullBoundary;
+use crate::material::NullInterface;
 use crate::schema::{Block, Kind};
 
 keys! {
@@ -25,7 +25,7 @@ pub const MEMBER: MaterialMember = Member {
     read: |compiler, item| {
         compiler.pooled(item, |params, sources| {
             let InterfaceKeys { medium, priority } = InterfaceKeys::read(params, sources)?;
-            Some(NullBoundary { medium: medium.map(|Inside(medium)| medium), priority })
+            Some(NullInterface { medium: medium.map(|Inside(medium)| medium), priority })
         })
     },
 };

@@ -31,7 +31,7 @@ pub const ROTATION: Defaulted<FloatTexture> =
     share("rotation").unit("turns").or(0.0, "by how many full turns the brushing is turned");
 
 /// A metal of the list of measured ones.
-struct Measured(metal::Metal);
+struct Measured(metal::MeasuredMetal);
 
 keys! {
     MetalKeys {

@@ -139,12 +139,12 @@ fn draft<'t>(compiler: &mut Compiler<'_>, item: Item<'t>) -> Option<Draft<'t>> {
         let extras = Extras::read(params, sources);
         Some((phong?, veins, extras?))
     })?;
-    let place = item.head_span();
+    let span = item.head_span();
     let id = match veins {
-        None => compiler.store_material(phong, place),
+        None => compiler.store_material(phong, span),
         Some(item) => compiler.veined(item, &phong),
     };
-    Some(Draft::Stored(id, extras, place))
+    Some(Draft::Stored(id, extras, span))
 }
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<PhongMaterial> {
@@ -220,10 +220,10 @@ impl Compiler<'_> {
         let parts = [color(0, Vec3::ZERO), color(1, Vec3::ONE)];
         let VeinKeys { octaves, frequency, amplitude } = veins;
         let amount = self.scene.float_texture(Marble { octaves, frequency, amplitude });
-        let place = item.head_span();
-        let amount = self.accepted(amount, place)?;
-        let [first, second] = parts.map(|part| self.store_material(part, place));
+        let span = item.head_span();
+        let amount = self.accepted(amount, span)?;
+        let [first, second] = parts.map(|part| self.store_material(part, span));
         let blend = Blend { amount, materials: [first?, second?] };
-        self.store_material(blend, place)
+        self.store_material(blend, span)
     }
 }

@@ -70,7 +70,7 @@ pub const MEMBER: MaterialMember = Member {
             let Some(body) = body else { return Some(layers.into()) };
             let stored = compiler.scene.medium(HomogeneousMedium { coefficients: body.coefficients });
             let medium = compiler.accepted(stored, item.head_span())?;
-            let Body { share, is_tinted, .. } = body;
+            let SubsurfaceText { share, is_tinted, .. } = body;
             let subsurface = Some(SubsurfaceBody { share, medium, is_tinted });
             Some(LayeredMaterial::from(Layers { subsurface, ..layers }))
         })
@@ -78,14 +78,14 @@ pub const MEMBER: MaterialMember = Member {
 };
 
 /// A body below the surface, before its medium is stored.
-struct Body {
+struct SubsurfaceText {
     share: FloatTexture,
     is_tinted: bool,
     coefficients: Coefficients,
 }
 
 /// What is below the surface, where light enters it; `Err` of what was reported.
-fn body(keys: &PrincipledKeys, params: &mut Params<'_, '_>) -> Result<Option<Body>, ()> {
+fn body(keys: &PrincipledKeys, params: &mut Params<'_, '_>) -> Result<Option<SubsurfaceText>, ()> {
     let share = keys.subsurface;
     if share.share_range()[1] <= 0.0 {
         let keys = ["subsurfaceRadius", "subsurfaceScale", "subsurfaceAnisotropy"];
@@ -114,7 +114,7 @@ fn body(keys: &PrincipledKeys, params: &mut Params<'_, '_>) -> Result<Option<Bod
         g => HenyeyGreenstein::new(g).map_or(Phase::Isotropic, Phase::HenyeyGreenstein),
     };
     match Coefficients::subsurface(color, radius, phase) {
-        Ok(coefficients) => Ok(Some(Body { share, is_tinted, coefficients })),
+        Ok(coefficients) => Ok(Some(SubsurfaceText { share, is_tinted, coefficients })),
         Err(_) => {
             let error = Diagnostic::error("`subsurfaceRadius` times `subsurfaceScale` is out of range");
             params.report(error, "light would collide at every point, or never");
@@ -123,7 +123,7 @@ fn body(keys: &PrincipledKeys, params: &mut Params<'_, '_>) -> Result<Option<Bod
     }
 }
 
-fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(Layers, Option<Body>)> {
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(Layers, Option<SubsurfaceText>)> {
     let keys = PrincipledKeys::read(params, sources)?;
     let body = body(&keys, params).ok()?;
     if body.is_some() {

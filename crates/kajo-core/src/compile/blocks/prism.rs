@@ -131,10 +131,10 @@ pub fn axes(
         None => right(DVec3::Y).or_else(|| right(-axis.y.signum() * DVec3::Z)),
     };
     let Some(right) = right else {
-        let place = up.map(|up| up.item.head_span());
+        let span = up.map(|up| up.item.head_span());
         let error = Diagnostic::error("`up` points along the axis");
-        params.diagnostics().push(match place {
-            Some(place) => error.label(place, "leaves open what is to the right"),
+        params.diagnostics().push(match span {
+            Some(span) => error.label(span, "leaves open what is to the right"),
             None => error,
         });
         return None;

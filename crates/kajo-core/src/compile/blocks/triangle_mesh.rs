@@ -78,12 +78,12 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<MeshRe
     let subdivision = subdivision?;
     let unasked = if subdivision.is_some() { Shading::Smooth } else { unasked };
     let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
-    let (name, place) = (file.value.0, file.item.head_span());
+    let (name, span) = (file.value.0, file.item.head_span());
     if params.contains("displacement") {
         report_beside(params, MeshKeys::FIELDS, "displacement");
     }
     let function = displacement_function.map(Displacement::Function);
     let displacement = displacement.map(Displacement::Texture).or(function);
     let displacement = displacement.filter(|_| subdivision.is_some());
-    Some(MeshRequest { name, place, shading, own_materials: materials, colors, subdivision, displacement })
+    Some(MeshRequest { name, span, shading, own_materials: materials, colors, subdivision, displacement })
 }

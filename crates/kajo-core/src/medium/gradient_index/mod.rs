@@ -28,7 +28,7 @@ use crate::curved_light::{
 use crate::texture::Textures;
 
 pub use dispersing::Dispersing;
-pub use profile::{AirLayers, Profile, Turbulence};
+pub use profile::{AirLayers, IndexTurbulence, Profile};
 
 /// A medium whose index of refraction differs from place to place.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub struct GradientIndex {
     /// The index by place, at yellow light.
     pub profile: Profile,
     /// What is added to it at random.
-    pub turbulence: Option<Turbulence>,
+    pub turbulence: Option<IndexTurbulence>,
     /// How it depends on the wavelength.
     pub dispersing: Dispersing,
     /// How light is followed.
@@ -125,7 +125,7 @@ impl RayEquation for IndexField<'_> {
 
 impl Medium for GradientIndex {
     fn is_finite(&self) -> bool {
-        self.profile.is_finite() && self.turbulence.as_ref().is_none_or(Turbulence::is_finite)
+        self.profile.is_finite() && self.turbulence.as_ref().is_none_or(IndexTurbulence::is_finite)
     }
 
     fn coefficients(&self) -> &Coefficients {

@@ -175,7 +175,7 @@ impl AirLayers {
 
 /// Perlin noise that is added to the index: `a (N(q) + N(2q)/2 + N(4q)/4 + ...)`, `q = f p`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turbulence {
+pub struct IndexTurbulence {
     /// `a`.
     pub amplitude: f64,
     /// `f`, per length along each axis.
@@ -184,7 +184,7 @@ pub struct Turbulence {
     pub octaves: u32,
 }
 
-impl Turbulence {
+impl IndexTurbulence {
     /// What it adds at a world-space point, and the gradient of that.
     pub fn at(&self, p: DVec3) -> (f64, DVec3) {
         let frequency = self.frequency.as_dvec3();

@@ -290,7 +290,7 @@ fn the_horizon_is_lifted_by_the_known_angle() {
 
 #[test]
 fn the_way_back_is_the_way_there() {
-    let turbulence = Turbulence { amplitude: 0.05, frequency: Vec3::splat(1.5), octaves: 3 };
+    let turbulence = IndexTurbulence { amplitude: 0.05, frequency: Vec3::splat(1.5), octaves: 3 };
     let mut medium = GradientIndex::new(Profile::Linear {
         origin: DVec3::ZERO,
         index: 1.4,

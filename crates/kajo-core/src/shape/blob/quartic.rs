@@ -33,7 +33,7 @@ const MARGIN: f64 = 1e-5;
 #[derive(Debug)]
 pub(super) struct QuarticCells {
     threshold: f64,
-    balls: Vec<Ball>,
+    balls: Vec<QuarticComponent>,
     parts: Parts,
     tree: Bvh,
     /// How far around its cell a list of balls holds.
@@ -41,7 +41,7 @@ pub(super) struct QuarticCells {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Ball {
+struct QuarticComponent {
     center: DVec3,
     /// One over the squared radius.
     inverse2: f64,
@@ -58,7 +58,7 @@ struct QuarticCell {
 /// A ball's `1 - u` on a piece of a ray, by Bernstein coefficients.
 type Quadratic = [f64; 3];
 
-impl Ball {
+impl QuarticComponent {
     /// On the piece between two places.
     #[inline(always)]
     fn quadratic(&self, a: DVec3, b: DVec3) -> Quadratic {
@@ -131,7 +131,7 @@ impl Parts {
 
 /// What parts of a box are looked for.
 struct Search<'a> {
-    balls: &'a [Ball],
+    balls: &'a [QuarticComponent],
     /// Below the first no place is of the surface, nor above the second.
     thresholds: [f64; 2],
     margin: f64,
@@ -163,11 +163,11 @@ impl QuarticCells {
     /// * `within`: a box that holds the surface
     /// * `rounding`: more than that of sums of all terms
     pub fn new(terms: &[Term], threshold: f64, within: Aabb, rounding: f64) -> Option<QuarticCells> {
-        let balls: Vec<Ball> = terms
+        let balls: Vec<QuarticComponent> = terms
             .iter()
             .filter_map(|term| match term.core() {
                 BlobCore::Ball(center) => {
-                    Some(Ball { center, inverse2: term.inverse2(), strength: term.strength() })
+                    Some(QuarticComponent { center, inverse2: term.inverse2(), strength: term.strength() })
                 }
                 _ => None,
             })

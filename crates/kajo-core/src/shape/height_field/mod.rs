@@ -124,8 +124,8 @@ impl HeightField {
         if columns < 2 || rows < 2 || grid.heights.len() as u64 != u64::from(columns) * u64::from(rows) {
             return Err(HeightFieldError::TooSmall { columns, rows });
         }
-        if let Some(place) = grid.heights.iter().position(|h| !h.is_finite()) {
-            let (column, row) = (place as u64 % u64::from(columns), place as u64 / u64::from(columns));
+        if let Some(index) = grid.heights.iter().position(|h| !h.is_finite()) {
+            let (column, row) = (index as u64 % u64::from(columns), index as u64 / u64::from(columns));
             return Err(HeightFieldError::NotFinite { column: column as u32, row: row as u32 });
         }
         let is_finite = corner.is_finite() && size.is_finite() && base.is_none_or(f64::is_finite);
@@ -203,12 +203,12 @@ impl Parts {
     /// The cell over which a point is, or the nearest one, and where in it.
     fn locate(&self, x: f64, z: f64) -> ([u32; 2], DVec2) {
         let g = (DVec2::new(x, z) - self.corner) / self.cell_size;
-        let place = |g: f64, cells: u32| {
+        let cell_of = |g: f64, cells: u32| {
             let cell = (g.max(0.0) as u32).min(cells - 1);
             (cell, (g - f64::from(cell)).clamp(0.0, 1.0))
         };
         let [columns, rows] = self.grid.cells();
-        let ((i, u), (j, v)) = (place(g.x, columns), place(g.y, rows));
+        let ((i, u), (j, v)) = (cell_of(g.x, columns), cell_of(g.y, rows));
         ([i, j], DVec2::new(u, v))
     }
 
@@ -324,8 +324,8 @@ impl Surface for HeightField {
 
     /// As the picture lies: `u` along x and `v` against z. Walls continue their edges.
     fn uv_at(&self, _hit: &Hit, p: Vec3) -> Vec2 {
-        let place = (DVec2::new(p.x.into(), p.z.into()) - self.0.corner) / self.0.size;
-        Vec2::new(place.x as f32, (1.0 - place.y) as f32).clamp(Vec2::ZERO, Vec2::ONE)
+        let relative = (DVec2::new(p.x.into(), p.z.into()) - self.0.corner) / self.0.size;
+        Vec2::new(relative.x as f32, (1.0 - relative.y) as f32).clamp(Vec2::ZERO, Vec2::ONE)
     }
 
     fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents {

@@ -340,9 +340,9 @@ impl PictureMap {
         let step = if n > 1 { 2.0 * (major - width) / (count - 1.0) } else { 0.0 };
         let (mut sum, mut weights) = ([0.0; 4], 0.0);
         for k in 0..n {
-            let place = (k as f32 - 0.5 * (count - 1.0)) * step;
-            let offset = place * ellipse.along / size;
-            let weight = fmath::exp(-2.0 * (place / major) * (place / major));
+            let distance = (k as f32 - 0.5 * (count - 1.0)) * step;
+            let offset = distance * ellipse.along / size;
+            let weight = fmath::exp(-2.0 * (distance / major) * (distance / major));
             let probe = self.trilinear(s + Vec2::new(offset.x, -offset.y), width);
             (0..4).for_each(|c| sum[c] += weight * probe[c]);
             weights += weight;
@@ -359,9 +359,9 @@ impl PictureMap {
         let radius = (-2.0 * KERNEL_VARIANCE * fmath::ln(1.0 - stream.uniform(0))).sqrt();
         let (sin, cos) = fmath::sin_cos(std::f32::consts::TAU * stream.uniform(1));
         let (w, h) = (self.picture.width, self.picture.height);
-        let place = Vec2::new(s.x, 1.0 - s.y) * Vec2::new(w as f32, h as f32);
-        let place = place + radius * (cos * axes[0] + sin * axes[1]);
-        let texel = place - 0.5 + Vec2::new(stream.uniform(2), stream.uniform(3));
+        let center = Vec2::new(s.x, 1.0 - s.y) * Vec2::new(w as f32, h as f32);
+        let center = center + radius * (cos * axes[0] + sin * axes[1]);
+        let texel = center - 0.5 + Vec2::new(stream.uniform(2), stream.uniform(3));
         let (i, j) = (texel.x.floor() as i64, texel.y.floor() as i64);
         let [across, up] = self.wrap;
         self.picture.level(0).texel(across.index_far(i, w), up.index_far(j, h), self.wrap)

@@ -143,9 +143,7 @@ fn keys_are_known_by_where_they_are_written() {
     let [value, center, radius] = keyed else { panic!("{keyed:?}") };
     assert_eq!((value.owner, value.keys[0].time), (crate::KeysOwner::Value(0), 0.0));
     assert_eq!(parsed.desc.named_values().next().unwrap().0, "r");
-    assert!(
-        text[center.place.range()].starts_with("keys cubic") && text[center.place.range()].ends_with('}')
-    );
+    assert!(text[center.span.range()].starts_with("keys cubic") && text[center.span.range()].ends_with('}'));
     let crate::KeysOwner::Item { item, first } = center.owner else { panic!() };
     assert_eq!((parsed.desc.item(item).unwrap().keyword(), first), ("center", 1));
     let last = &center.keys[1];
