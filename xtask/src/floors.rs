@@ -90,7 +90,7 @@ const CORE_MODULES: [(&str, &[&str]); 34] = [
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "emission", "bsdf", "measured", "medium"]),
     ("emission", &["ids", "family", "texture", "light", "medium"]),
-    ("shape", &["family", "interaction", "motion"]),
+    ("shape", &["ids", "family", "interaction", "motion"]),
     (
         "light",
         &[

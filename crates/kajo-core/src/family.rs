@@ -10,6 +10,9 @@
 /// How many low bits of a handle are the index: 2^27 members of each kind, 32 kinds.
 pub(crate) const INDEX_BITS: u32 = 27;
 
+/// What names no member: no pool is so long that the handle of its last member has all bits set.
+pub(crate) const NO_MEMBER: u32 = u32::MAX;
+
 /// Kind and index of a handle.
 #[inline]
 pub(crate) fn split(handle: u32) -> (u32, usize) {

@@ -140,6 +140,11 @@ impl ObjectId {
         ObjectId(index)
     }
 
+    /// The first `len` objects, as far as they can be named.
+    pub fn all(len: usize) -> impl Iterator<Item = ObjectId> {
+        (0..u32::try_from(len).unwrap_or(ObjectId::MOST)).map(ObjectId)
+    }
+
     /// Its index among all objects.
     #[inline]
     pub fn index(self) -> usize {
@@ -167,6 +172,32 @@ impl ObjectId {
     #[inline]
     pub(crate) fn since(self, first: ObjectId) -> Option<u32> {
         self.0.checked_sub(first.0)
+    }
+}
+
+/// Names a material that parts of shapes bring: an entry of [`crate::scene::Appearance::slots`], or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MaterialSlot(u32);
+
+impl MaterialSlot {
+    /// No material of the part's own: it has that of the object.
+    pub const NONE: MaterialSlot = MaterialSlot(u32::MAX);
+
+    /// The name of the entry at an index; `None` where 32 bits do not hold it.
+    pub fn new(index: usize) -> Option<MaterialSlot> {
+        u32::try_from(index).ok().map(MaterialSlot).filter(|slot| *slot != MaterialSlot::NONE)
+    }
+
+    /// The index of the entry.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The name, unless it is that of none.
+    #[inline]
+    pub fn given(self) -> Option<MaterialSlot> {
+        (self != MaterialSlot::NONE).then_some(self)
     }
 }
 

@@ -171,7 +171,7 @@ impl Scene {
     #[inline]
     fn material_at(&self, shape: ShapeId, own: MaterialId, hit: &Hit) -> MaterialId {
         let slot = self.geometry.shapes.material_slot(shape, hit.part);
-        slot.map_or(own, |slot| self.appearance.slots[slot as usize])
+        slot.map_or(own, |slot| self.appearance.slots[slot.index()])
     }
 }
 

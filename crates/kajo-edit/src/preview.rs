@@ -193,8 +193,7 @@ impl<'a> Builder<'a> {
                 None => scene.geometry.shapes.tessellate(id, self.around, &mut triangles),
             }
             let own = |part: u32| scene.geometry.shapes.material_slot(id, part);
-            let of_part =
-                |part: u32| own(part).map_or(material, |slot| scene.appearance.slots[slot as usize]);
+            let of_part = |part: u32| own(part).map_or(material, |slot| scene.appearance.slots[slot.index()]);
             self.add_single(object, of_part, transform, &triangles);
         }
     }
@@ -262,7 +261,7 @@ impl<'a> Builder<'a> {
         let mut triangles = Tessellation::default();
         mesh.tessellate(self.around, &mut triangles);
         let vertices = white_vertices(&triangles);
-        let own = |part: u32| mesh.material_slot(part).map(|slot| self.scene.appearance.slots[slot as usize]);
+        let own = |part: u32| mesh.material_slot(part).map(|slot| self.scene.appearance.slots[slot.index()]);
         let mut by_material: HashMap<Option<MaterialId>, Vec<u32>> = HashMap::new();
         let mut materials = Vec::new();
         for (face, &part) in triangles.faces.iter().zip(&triangles.parts) {

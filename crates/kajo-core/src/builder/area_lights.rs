@@ -107,7 +107,7 @@ impl SceneBuilder {
         let mut lights = Vec::new();
         shapes.patches(shape, &mut |part, patch| {
             let slot = shapes.material_slot(shape, part);
-            let material = slot.map_or(material, |slot| self.appearance.slots[slot as usize]);
+            let material = slot.map_or(material, |slot| self.appearance.slots[slot.index()]);
             let Some(of_material) = emissive.materials.get(&material) else { return };
             let &PatchEmission { ref emission, varied, sides, seen_through, group } = of_material;
             // The far side of a sphere, too, which is drawn otherwise by what one sees of it from outside.
@@ -211,12 +211,15 @@ impl SceneBuilder {
         if frames.has_one() {
             return vec![LightSampler::new(list, first_area, sky, &self.lights)];
         }
-        let of_light =
-            |light: usize| match light.checked_sub(first_area).and_then(|i| self.lights.areas.get(i)) {
-                Some(area) => frames.of_object(area.object.index()),
-                None => frames.of_light(light),
-            };
-        let of_each: Vec<FrameId> = (0..list.len()).map(of_light).collect();
+        let of_light = |light: LightIndex| match light
+            .index()
+            .checked_sub(first_area)
+            .and_then(|i| self.lights.areas.get(i))
+        {
+            Some(area) => frames.of_object(area.object),
+            None => frames.of_light(light),
+        };
+        let of_each: Vec<FrameId> = LightIndex::all(list.len()).map(of_light).collect();
         let sampler = |frame| {
             let elsewhere: Vec<bool> = of_each.iter().map(|&of| of != frame).collect();
             LightSampler::of_frame(list.clone(), first_area, sky, &self.lights, &elsewhere)

@@ -2,7 +2,7 @@
 
 use kajo_scene::OverBudget;
 
-use crate::ids::{AssemblyId, LightGroup, MAX_FRAMES, MAX_LIGHT_GROUPS, PoseId};
+use crate::ids::{AssemblyId, LightGroup, MAX_FRAMES, MAX_LIGHT_GROUPS, MaterialSlot, PoseId};
 use crate::material::MaterialId;
 use crate::medium::MediumId;
 use crate::nested::MOST_LEVELS;
@@ -51,8 +51,8 @@ pub enum SceneError {
     #[error("the scene has no group of lights {0:?}")]
     UnknownLightGroup(LightGroup),
     /// A mesh names a material by a number that [`SceneBuilder::mesh_material`](super::SceneBuilder::mesh_material) has not given.
-    #[error("the scene has no material number {0} for triangles of meshes")]
-    UnknownMeshMaterial(u32),
+    #[error("the scene has no material number {} for triangles of meshes", .0.index())]
+    UnknownMeshMaterial(MaterialSlot),
     /// An object that was not pushed; its index.
     #[error("the scene has no object {0}")]
     UnknownObject(usize),

@@ -28,22 +28,22 @@ pub(super) struct Frames {
     /// Where things rest from now on.
     rest: Rest,
     /// Of the objects that do not rest in the world.
-    objects: HashMap<usize, FrameId>,
+    objects: HashMap<ObjectId, FrameId>,
     /// Of the lights that do not.
-    lights: HashMap<usize, FrameId>,
+    lights: HashMap<LightIndex, FrameId>,
     observer: CameraMotion,
 }
 
 impl Frames {
     pub fn add_object(&mut self, object: ObjectId) {
         if self.rest.frame != FrameId::WORLD {
-            self.objects.insert(object.index(), self.rest.frame);
+            self.objects.insert(object, self.rest.frame);
         }
     }
 
     pub fn add_light(&mut self, light: LightIndex) {
         if self.rest.frame != FrameId::WORLD {
-            self.lights.insert(light.index(), self.rest.frame);
+            self.lights.insert(light, self.rest.frame);
         }
     }
 
@@ -57,13 +57,13 @@ impl Frames {
     }
 
     /// The frame of an object.
-    pub fn of_object(&self, index: usize) -> FrameId {
-        self.objects.get(&index).copied().unwrap_or_default()
+    pub fn of_object(&self, object: ObjectId) -> FrameId {
+        self.objects.get(&object).copied().unwrap_or_default()
     }
 
     /// The frame of a light of the file.
-    pub fn of_light(&self, index: usize) -> FrameId {
-        self.lights.get(&index).copied().unwrap_or_default()
+    pub fn of_light(&self, light: LightIndex) -> FrameId {
+        self.lights.get(&light).copied().unwrap_or_default()
     }
 
     fn map(&self, frame: FrameId) -> FrameMap {

@@ -2,9 +2,9 @@
 
 use super::{SceneBuilder, SceneError, check_finite};
 use crate::emission::SurfaceEmission;
+use crate::ids::MaterialSlot;
 use crate::light::LightGroups;
 use crate::material::{AnyMaterial, Appearance, MaterialId, Perforated};
-use crate::shape::ABSENT;
 use crate::texture::{
     AnyColorNode, AnyFloatNode, AnyTexture, Channel, ColorTexture, FloatTexture, PictureChannel, PictureMap,
     Textures,
@@ -76,15 +76,15 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// The number by which triangles of meshes name a material; see [`crate::shape::MeshData::material_slots`].
+    /// The slot by which triangles of meshes name a material; see [`crate::shape::MeshData::material_slots`].
     ///
     /// # Errors
     /// [`SceneError::UnknownMaterial`], [`SceneError::TooMany`].
-    pub fn mesh_material(&mut self, material: MaterialId) -> Result<u32, SceneError> {
+    pub fn mesh_material(&mut self, material: MaterialId) -> Result<MaterialSlot, SceneError> {
         self.check_material(material)?;
-        let number = u32::try_from(self.appearance.slots.len()).ok().filter(|&number| number != ABSENT);
+        let slot = MaterialSlot::new(self.appearance.slots.len());
         self.appearance.slots.push(material);
-        number.ok_or(SceneError::TooMany("Mesh"))
+        slot.ok_or(SceneError::TooMany("Mesh"))
     }
 
     /// A material that lets be seen what is behind it where the colours of a mesh have opacities less than 1; the material itself

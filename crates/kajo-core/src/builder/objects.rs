@@ -8,11 +8,11 @@ use super::area_lights::double;
 use super::frames::Frames;
 use super::{OwnMaterials, SceneBuilder, SceneError, check_finite};
 use crate::family::Pooled;
-use crate::ids::{FrameId, MotionId, ObjectId, PoseId, TransformId};
+use crate::ids::{FrameId, MaterialSlot, MotionId, ObjectId, PoseId, TransformId};
 use crate::material::MaterialId;
 use crate::objects::Label;
 use crate::scene::{Geometry, Primitive};
-use crate::shape::{ABSENT, AnyShape, Csg, ShapeId, Shapes, Surface};
+use crate::shape::{AnyShape, Csg, ShapeId, Shapes, Surface};
 
 impl SceneBuilder {
     /// Adds a shape, which can stand in many places.
@@ -177,14 +177,14 @@ impl SceneBuilder {
     }
 
     /// What is known of the materials that a shape brings.
-    fn own_materials(&self, slots: impl Iterator<Item = u32>) -> Result<OwnMaterials, SceneError> {
-        let (mut own, mut latest) = (OwnMaterials::default(), ABSENT);
+    fn own_materials(&self, slots: impl Iterator<Item = MaterialSlot>) -> Result<OwnMaterials, SceneError> {
+        let (mut own, mut latest) = (OwnMaterials::default(), MaterialSlot::NONE);
         for slot in slots {
             // Neighbours mostly have the same.
-            if slot == latest || slot == ABSENT {
+            if slot == latest || slot == MaterialSlot::NONE {
                 continue;
             }
-            let material = self.appearance.slots.get(slot as usize);
+            let material = self.appearance.slots.get(slot.index());
             let &material = material.ok_or(SceneError::UnknownMeshMaterial(slot))?;
             own.transmit |= self.appearance.may_transmit(material);
             own.emit |= self.is_emissive(material);

@@ -5,7 +5,7 @@ use kajo_math::{Affine3A, DAffine3, DVec3, Keyframes, Motion, Ray, Vec3};
 
 use super::*;
 use crate::camera::{CameraFrame, OrthographicCamera, PerspectiveCamera};
-use crate::ids::{LightIndex, ObjectId, PoseId};
+use crate::ids::{LightIndex, MaterialSlot, ObjectId, PoseId};
 use crate::light::{PointLight, Sides, SpotLight};
 use crate::material::{Blend, Embossed, Matte, Perforated, Relief};
 use crate::scene::RayEvent;
@@ -41,7 +41,7 @@ fn point(x: f32) -> PointLight {
 }
 
 /// A mesh of one triangle with a material of its own.
-fn triangle(slot: u32) -> Mesh {
+fn triangle(slot: MaterialSlot) -> Mesh {
     let data = MeshData {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         faces: vec![[0, 1, 2]],
@@ -107,7 +107,8 @@ fn ids_of_another_scene_are_refused() {
     assert_eq!(scene.see_through(s.material), Err(unknown.clone()));
     assert_eq!(scene.name_material(s.material, "grey"), Err(unknown.clone()));
     assert_eq!(scene.object(s.shape, s.material, PoseId::IDENTITY), Err(SceneError::UnknownShape(s.shape)));
-    assert_eq!(scene.shape(triangle(0)), Err(SceneError::UnknownMeshMaterial(0)));
+    let first = MaterialSlot::new(0).unwrap();
+    assert_eq!(scene.shape(triangle(first)), Err(SceneError::UnknownMeshMaterial(first)));
 
     let shape = scene.shape(ball(1.0)).unwrap();
     assert_eq!(scene.object(shape, s.material, PoseId::IDENTITY), Err(unknown.clone()));

@@ -9,6 +9,7 @@ use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::group::OBJECTS;
 use super::material_draft::Reference;
 use super::part::Part;
+use crate::ids::MaterialSlot;
 use crate::material::MaterialId;
 use crate::nested::PartContent;
 use crate::shape::{AnyShape, Csg, CsgError, SetOperation, SolidPart};
@@ -126,8 +127,8 @@ impl Compiler<'_> {
         Some(SolidPart { shape, map: part.map.clone(), material, source })
     }
 
-    /// The number by which shapes name a material.
-    fn slot_of(&mut self, material: MaterialId, item: Item<'_>) -> Option<u32> {
+    /// The slot by which shapes name a material.
+    fn slot_of(&mut self, material: MaterialId, item: Item<'_>) -> Option<MaterialSlot> {
         if let Some(&known) = self.solid_slots.get(&material) {
             return Some(known);
         }

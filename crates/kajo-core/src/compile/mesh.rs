@@ -12,6 +12,7 @@ use super::Compiler;
 use super::mesh_store::{Kept, Shading, StoreKey};
 use super::picture_files::{PictureReader, ReadPicture};
 use super::subdivision::{Displacement, ReadFaces, Subdivision};
+use crate::ids::MaterialSlot;
 use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, VertexAttributes, vertex_normals};
 use crate::texture::{Encoding, PictureMap};
 
@@ -263,7 +264,7 @@ impl Compiler<'_> {
     }
 }
 
-fn mesh_data(mesh: TriMesh, shading: Shading, material_slots: Option<Vec<u32>>) -> MeshData {
+fn mesh_data(mesh: TriMesh, shading: Shading, material_slots: Option<Vec<MaterialSlot>>) -> MeshData {
     let positions: Vec<Vec3> = mesh.positions.into_iter().map(Vec3::from).collect();
     let from_file = |normals, corners| corner_values(normals, corners, |n| Vec3::from(n).normalize_or_zero());
     let around = |neighbours| Some(vertex_normals(&positions, &mesh.faces, neighbours));

@@ -79,6 +79,7 @@ use self::misplaced::misplaced;
 use crate::animation::Animation;
 use crate::builder::{SceneBuilder, SceneError};
 use crate::camera::NamedCamera;
+use crate::ids::MaterialSlot;
 use crate::material::MaterialId;
 use crate::scene::{Output, Scene};
 use crate::settings::{Dialect, Rules, Settings};
@@ -209,8 +210,8 @@ struct Compiler<'a> {
     animation: Option<Animation>,
     scene: SceneBuilder,
     definitions: HashMap<String, Definition>,
-    /// The numbers by which solids made of others name materials.
-    solid_slots: HashMap<MaterialId, u32>,
+    /// The slots by which solids made of others name materials.
+    solid_slots: HashMap<MaterialId, MaterialSlot>,
     /// How often the text places each definition.
     uses: HashMap<String, usize>,
     /// Parts of all definitions.

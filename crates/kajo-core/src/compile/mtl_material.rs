@@ -12,8 +12,8 @@ use super::Compiler;
 use super::blocks::phong_material::absorption_of;
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
+use crate::ids::MaterialSlot;
 use crate::material::{Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief};
-use crate::shape::ABSENT;
 use crate::texture::{Channel, Encoding, FloatTexture, PictureChannel, PictureMap, Wrap};
 
 /// Albedo of what a library that cannot be read would describe.
@@ -38,8 +38,13 @@ struct Described<'a> {
 type Library = HashMap<String, (MtlMaterial, String)>;
 
 impl Compiler<'_> {
-    /// For each face the index of its material among the scene's slots, or [`ABSENT`].
-    pub(super) fn material_slots(&mut self, mesh: &TriMesh, path: &str, span: Span) -> Option<Vec<u32>> {
+    /// For each face the slot of its material, or [`MaterialSlot::NONE`].
+    pub(super) fn material_slots(
+        &mut self,
+        mesh: &TriMesh,
+        path: &str,
+        span: Span,
+    ) -> Option<Vec<MaterialSlot>> {
         let face_materials = mesh.face_materials.as_ref()?;
         let (known, all_read) = self.libraries(mesh, path, span);
         let mut grey = None;
@@ -56,7 +61,7 @@ impl Compiler<'_> {
                 None if all_read => {
                     let message = format!("it uses the material `{name}`, which none of its libraries has");
                     self.warn_of_file(path, &message, span);
-                    ABSENT
+                    MaterialSlot::NONE
                 }
                 None => *grey.get_or_insert_with(|| {
                     let diffuse = Spectrum::rgb(GREY, GREY, GREY);
@@ -66,14 +71,19 @@ impl Compiler<'_> {
                 }),
             });
         }
-        Some(face_materials.iter().map(|&m| slots.get(m as usize).copied().unwrap_or(ABSENT)).collect())
+        Some(
+            face_materials
+                .iter()
+                .map(|&m| slots.get(m as usize).copied().unwrap_or(MaterialSlot::NONE))
+                .collect(),
+        )
     }
 
-    /// The number of a material among those that meshes bring.
-    fn slot(&mut self, id: Option<MaterialId>, span: Span) -> u32 {
-        let Some(id) = id else { return ABSENT };
+    /// The slot of a material among those that meshes bring.
+    fn slot(&mut self, id: Option<MaterialId>, span: Span) -> MaterialSlot {
+        let Some(id) = id else { return MaterialSlot::NONE };
         let number = self.scene.mesh_material(id);
-        self.accepted(number, span).unwrap_or(ABSENT)
+        self.accepted(number, span).unwrap_or(MaterialSlot::NONE)
     }
 
     /// The materials of a mesh's libraries, and whether all of these could be read.

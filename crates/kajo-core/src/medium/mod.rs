@@ -52,7 +52,7 @@ use kajo_color::Wavelengths;
 use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::curved_light::{Chords, Followed, Region};
-use crate::family::family;
+use crate::family::{NO_MEMBER, family};
 use crate::texture::{AnyTexture, Textures};
 
 /// What every medium can do.
@@ -180,7 +180,7 @@ pub struct MaybeMedium(u32);
 
 impl MaybeMedium {
     /// Empty space.
-    pub const VACUUM: MaybeMedium = MaybeMedium(u32::MAX);
+    pub const VACUUM: MaybeMedium = MaybeMedium(NO_MEMBER);
 
     /// The medium, if there is one.
     #[inline]
@@ -196,7 +196,6 @@ impl Default for MaybeMedium {
 }
 
 impl From<Option<MediumId>> for MaybeMedium {
-    /// No pool is so long that the name of a member has all bits set.
     fn from(medium: Option<MediumId>) -> MaybeMedium {
         medium.map_or(MaybeMedium::VACUUM, |MediumId(name)| MaybeMedium(name))
     }

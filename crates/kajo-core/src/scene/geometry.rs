@@ -77,26 +77,34 @@ impl Geometry {
     /// Builds the trees over all objects, which rays need.
     ///
     /// * `nested`: instances that are kept nested, if there are any
-    /// * `stands`: whether the object at an index stands in these trees, and not in those of another frame
+    /// * `stands`: whether an object stands in these trees, and not in those of another frame
     pub(crate) fn build_trees(
         &mut self,
         nested: Option<Nested>,
-        stands: impl Fn(usize) -> bool,
+        stands: impl Fn(ObjectId) -> bool,
         settings: &BuildSettings,
     ) {
-        let bounds = |(i, p)| if stands(i) { self.world_bounds(p) } else { Aabb::EMPTY };
-        let bounds: Vec<Aabb> = self.primitives.iter().enumerate().map(bounds).collect();
+        let bounds = self.bounds_of_those(stands);
         let is_moving: Vec<bool> = self.primitives.iter().map(|p| self.is_moving(p)).collect();
         let moving_bounds = |i: usize, part| self.moving_bounds(&self.primitives[i], part);
         self.aggregate = Aggregate::build(&bounds, &is_moving, moving_bounds, nested, settings);
     }
 
+    /// The bounds of all objects, empty ones of those that stand elsewhere.
+    fn bounds_of_those(&self, stands: impl Fn(ObjectId) -> bool) -> Vec<Aabb> {
+        let bounds = |(object, p)| if stands(object) { self.world_bounds(p) } else { Aabb::EMPTY };
+        ObjectId::all(self.primitives.len()).zip(&self.primitives).map(bounds).collect()
+    }
+
     /// Trees over the objects of another frame than the world's, none of which moves in it or is nested.
     ///
-    /// * `stands`: whether the object at an index is one of them
-    pub(super) fn frame_trees(&self, stands: impl Fn(usize) -> bool, settings: &BuildSettings) -> Aggregate {
-        let bounds = |(i, p)| if stands(i) { self.world_bounds(p) } else { Aabb::EMPTY };
-        let bounds: Vec<Aabb> = self.primitives.iter().enumerate().map(bounds).collect();
+    /// * `stands`: whether an object is one of them
+    pub(super) fn frame_trees(
+        &self,
+        stands: impl Fn(ObjectId) -> bool,
+        settings: &BuildSettings,
+    ) -> Aggregate {
+        let bounds = self.bounds_of_those(stands);
         let is_moving = vec![false; bounds.len()];
         Aggregate::build(&bounds, &is_moving, |_, _| [Aabb::EMPTY; 2], None, settings)
     }
@@ -195,15 +203,15 @@ impl Geometry {
         if self.primitives.len() > MOST_ITEMS {
             return None;
         }
-        let body = |(index, p): (u32, &Primitive)| {
+        let body = |(object, p): (ObjectId, &Primitive)| {
             let bounds = self.world_bounds(p);
             let untransformed = p.pose.is_identity();
             let sphere = Sphere::find(&self.shapes, p.shape).filter(|_| untransformed).copied();
             let bounded = bounds.is_finite() && !bounds.is_empty() && !self.is_moving(p);
-            let object = ObjectId::from_index(index);
             bounded.then_some(BufferedObject { object, bounds, sphere, opaque: !p.transmits })
         };
-        let bodies: Vec<BufferedObject> = (0..).zip(&self.primitives).filter_map(body).collect();
+        let bodies: Vec<BufferedObject> =
+            ObjectId::all(self.primitives.len()).zip(&self.primitives).filter_map(body).collect();
         ItemBuffer::new(apex, &bodies, cells)
     }
 

@@ -73,11 +73,11 @@ impl RestFrame {
 impl Geometry {
     /// A frame with all that rests in it.
     ///
-    /// * `stands`: whether the object at an index does
+    /// * `stands`: whether an object does
     pub(crate) fn rest_frame(
         &self,
         from_world: FrameMap,
-        stands: impl Fn(usize) -> bool,
+        stands: impl Fn(ObjectId) -> bool,
         sampler: LightSampler,
         settings: &BuildSettings,
     ) -> RestFrame {
@@ -92,7 +92,7 @@ pub struct Relativity {
     /// The first one is the world's.
     frames: Vec<RestFrame>,
     /// Of the objects that do not rest in the world.
-    objects: HashMap<usize, FrameId>,
+    objects: HashMap<ObjectId, FrameId>,
     /// The camera's observer.
     pub observer: CameraMotion,
 }
@@ -121,7 +121,7 @@ impl LightRay {
 impl Relativity {
     pub(crate) fn new(
         frames: Vec<RestFrame>,
-        objects: impl Iterator<Item = (usize, FrameId)>,
+        objects: impl Iterator<Item = (ObjectId, FrameId)>,
         observer: CameraMotion,
     ) -> Relativity {
         Relativity { frames, objects: objects.collect(), observer }
@@ -139,7 +139,7 @@ impl Relativity {
 
     /// The frame that an object rests in.
     pub fn frame_of(&self, object: ObjectId) -> FrameId {
-        self.objects.get(&object.index()).copied().unwrap_or_default()
+        self.objects.get(&object).copied().unwrap_or_default()
     }
 
     /// What takes the coordinates of an object's frame to the world's at its moment 0, where what moves is contracted; `None` for what

@@ -14,6 +14,7 @@ use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, Vec4, rng::mix, robust::gamma};
 
 use super::{Patch, Surface, Tessellation, VertexAttributes, hit_of_triangle, triangle_error};
+use crate::ids::MaterialSlot;
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
@@ -56,7 +57,7 @@ struct Parts {
     uvs: Option<CornerValues<Vec2>>,
     colors: Option<CornerValues<Vec4>>,
     attributes: Option<Box<VertexAttributes>>,
-    material_slots: Option<Vec<u32>>,
+    material_slots: Option<Vec<MaterialSlot>>,
     bvh: TriangleBvh,
     closed: bool,
 }
@@ -78,7 +79,7 @@ pub struct MeshData {
     /// What else vertices have.
     pub attributes: VertexAttributes,
     /// The mesh's own material number of each triangle.
-    pub material_slots: Option<Vec<u32>>,
+    pub material_slots: Option<Vec<MaterialSlot>>,
 }
 
 impl MeshData {
@@ -152,8 +153,8 @@ impl Mesh {
         &self.0.positions
     }
 
-    /// The mesh's own material number of each triangle, or [`ABSENT`]; none at all where it brings no materials.
-    pub fn material_slots(&self) -> &[u32] {
+    /// The mesh's own material of each triangle, or [`MaterialSlot::NONE`]; none at all where it brings no materials.
+    pub fn material_slots(&self) -> &[MaterialSlot] {
         self.0.material_slots.as_deref().unwrap_or_default()
     }
 
@@ -283,8 +284,8 @@ impl Surface for Mesh {
         self.0.faces.len() as u32
     }
 
-    fn material_slot(&self, part: u32) -> Option<u32> {
-        self.material_slots().get(part as usize).copied().filter(|&slot| slot != ABSENT)
+    fn material_slot(&self, part: u32) -> Option<MaterialSlot> {
+        self.material_slots().get(part as usize).and_then(|slot| slot.given())
     }
 
     fn heap_bytes(&self) -> usize {

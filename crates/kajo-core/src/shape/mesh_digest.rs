@@ -1,6 +1,6 @@
 //! A number for what a mesh is made of.
 
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::mesh::{CornerValues, MeshData};
 
@@ -21,7 +21,7 @@ impl MeshData {
             floats(hasher, attributes.second_uvs.iter().map(|uv| uv.to_array()));
             floats(hasher, attributes.tangents.iter().map(|t| t.to_array()));
             hasher.write_usize(material_slots.as_ref().map_or(usize::MAX, Vec::len));
-            material_slots.iter().flatten().for_each(|&slot| hasher.write_u32(slot));
+            material_slots.iter().flatten().for_each(|slot| slot.hash(hasher));
         }
         hashers.map(|hasher| hasher.finish())
     }
@@ -68,7 +68,7 @@ mod tests {
         others[1].faces[0] = [0, 2, 1];
         others[2].uvs = None;
         others[3].normals = Some(CornerValues { values: vec![Vec3::Z; 3], faces: Some(vec![[0, 1, 2]]) });
-        others[4].material_slots = Some(vec![0]);
+        others[4].material_slots = Some(vec![crate::ids::MaterialSlot::NONE]);
         let mut seen = vec![data().digest()];
         for other in others {
             assert!(!seen.contains(&other.digest()));

@@ -70,6 +70,7 @@ pub use vertex_attributes::VertexAttributes;
 use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3, Vec4, robust::gamma};
 
 use crate::family::family;
+use crate::ids::MaterialSlot;
 use crate::interaction::{Hit, SurfacePoint, Tangents, test_error};
 use crate::motion::MovingTransform;
 
@@ -192,7 +193,7 @@ pub trait Surface: Sized {
     }
 
     /// Which of the shape's own materials a part has, if it brings any.
-    fn material_slot(&self, _part: u32) -> Option<u32> {
+    fn material_slot(&self, _part: u32) -> Option<MaterialSlot> {
         None
     }
 
@@ -289,7 +290,7 @@ family! {
         /// See [`Surface::tessellate`].
         fn tessellate(around: u32, out: &mut Tessellation);
         /// See [`Surface::material_slot`].
-        fn material_slot(part: u32) -> Option<u32>;
+        fn material_slot(part: u32) -> Option<MaterialSlot>;
         /// See [`Surface::heap_bytes`].
         fn heap_bytes() -> usize;
     }

@@ -26,6 +26,7 @@ use self::crossings::with_scratch;
 use self::sets::{SetExpression, SetTree};
 use super::{AnyShape, Patch, Plane, ShapeId, Shapes, Surface, Tessellation};
 use crate::family::Pooled;
+use crate::ids::MaterialSlot;
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 use crate::motion::{MovingTransform, Shutter};
 pub use sets::SetOperation;
@@ -44,9 +45,9 @@ pub struct SolidPart {
     pub shape: AnyShape,
     /// To the space of the result; invertible at all times.
     pub map: Motion,
-    /// The number of its material among those that shapes bring, if it has one of its own; see
+    /// Its material among those that shapes bring, if it has one of its own; see
     /// [`crate::builder::SceneBuilder::mesh_material`].
-    pub material: Option<u32>,
+    pub material: Option<MaterialSlot>,
     /// The number of the item of the text that it is of, or any; see [`Csg::subtracted`].
     pub source: u32,
 }
@@ -102,7 +103,7 @@ struct Leaf {
     bounds: Aabb,
     /// Number of its first part among those of all leaves.
     first_part: u32,
-    material: Option<u32>,
+    material: Option<MaterialSlot>,
     /// Whether the materials count that its shape brings.
     brings_materials: bool,
     /// See [`SolidPart::source`].
@@ -173,13 +174,13 @@ impl Csg {
     }
 
     /// The numbers of the materials of its leaves.
-    pub fn material_slots(&self) -> impl Iterator<Item = u32> {
+    pub fn material_slots(&self) -> impl Iterator<Item = MaterialSlot> {
         let solid = &self.0;
         solid.leaves.iter().flat_map(|leaf| {
             let of_mesh = <super::Mesh as Pooled<Shapes>>::find(&solid.shapes, leaf.shape)
                 .filter(|_| leaf.brings_materials)
                 .map_or(&[][..], super::Mesh::material_slots);
-            leaf.material.into_iter().chain(of_mesh.iter().copied().filter(|&slot| slot != super::ABSENT))
+            leaf.material.into_iter().chain(of_mesh.iter().filter_map(|slot| slot.given()))
         })
     }
 
@@ -210,7 +211,7 @@ impl Csg {
 
 /// What is known of a leaf besides its shape and its transform.
 struct LeafText {
-    material: Option<u32>,
+    material: Option<MaterialSlot>,
     brings_materials: bool,
     source: u32,
 }
@@ -246,7 +247,7 @@ impl Making {
         &mut self,
         inner: &Csg,
         map: &Motion,
-        material: Option<Option<u32>>,
+        material: Option<Option<MaterialSlot>>,
     ) -> Result<SetExpression, CsgError> {
         let first = self.leaves.len() as u32;
         for leaf in &inner.0.leaves {
@@ -553,7 +554,7 @@ impl Surface for Csg {
         }
     }
 
-    fn material_slot(&self, part: u32) -> Option<u32> {
+    fn material_slot(&self, part: u32) -> Option<MaterialSlot> {
         let (_, leaf, part) = self.leaf_of(part);
         let brought =
             if leaf.brings_materials { self.0.shapes.material_slot(leaf.shape, part) } else { None };

@@ -6,6 +6,7 @@
 use kajo_math::{DVec3, Vec2, Vec4};
 
 use super::{Polygons, PrimvarChannel};
+use crate::ids::MaterialSlot;
 
 /// The index of no corner.
 pub(super) const NONE: u32 = u32::MAX;
@@ -22,7 +23,7 @@ pub struct Cage {
     pub(super) sharp: Vec<bool>,
     pub(super) uvs: Option<PrimvarChannel<Vec2>>,
     pub(super) colors: Option<PrimvarChannel<Vec4>>,
-    pub(super) materials: Option<Vec<u32>>,
+    pub(super) materials: Option<Vec<MaterialSlot>>,
 }
 
 /// Where faces begin in the list of corners.

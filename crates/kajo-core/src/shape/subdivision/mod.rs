@@ -42,6 +42,7 @@ pub use self::cage::Cage;
 pub use self::polygons::Polygons;
 use super::mesh::{CornerValues, MeshData};
 use super::vertex_attributes::VertexAttributes;
+use crate::ids::MaterialSlot;
 
 /// By which rules a cage is subdivided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -117,7 +118,7 @@ impl Subdivided {
         let of =
             |indices: &[u32]| triangles.iter().map(|corners| corners.map(|c| indices[c as usize])).collect();
         let per_face = cage.face_size();
-        let slots = |materials: &Vec<u32>| {
+        let slots = |materials: &Vec<MaterialSlot>| {
             triangles.iter().map(|[corner, ..]| materials[(corner / per_face) as usize]).collect()
         };
         MeshData {

@@ -3,6 +3,7 @@
 use kajo_math::{Vec2, Vec3, Vec4};
 
 use super::{PrimvarChannel, Scheme};
+use crate::ids::MaterialSlot;
 use crate::shape::mesh::{ABSENT, CornerValues, MeshData, welded};
 
 /// A polygon mesh to be subdivided.
@@ -19,7 +20,7 @@ pub struct Polygons {
     /// Linear RGB and opacity.
     pub colors: Option<PrimvarChannel<Vec4>>,
     /// The mesh's own material number of each face.
-    pub materials: Option<Vec<u32>>,
+    pub materials: Option<Vec<MaterialSlot>>,
 }
 
 impl Polygons {
@@ -162,7 +163,8 @@ mod tests {
             values: vec![Vec2::ZERO; 9],
             faces: Some(vec![[0, 1, 2], [0, 2, 3], [6, 7, ABSENT]]),
         };
-        let material_slots = Some(vec![7, 7, 8]);
+        let slot = |i| MaterialSlot::new(i).unwrap();
+        let material_slots = Some(vec![slot(7), slot(7), slot(8)]);
         let data = || MeshData { material_slots: material_slots.clone(), ..MeshData::default() };
         let with = |positions: &Vec<Vec3>, uvs| MeshData {
             positions: positions.clone(),
@@ -175,7 +177,7 @@ mod tests {
         let polygons = Polygons::of_mesh(with(&positions, uvs), &[[0, 2]], Scheme::CatmullClark);
         assert_eq!((&polygons.sizes[..], &polygons.corners[..]), (&[4, 3][..], &[0, 1, 2, 3, 3, 4, 5][..]));
         assert_eq!(polygons.uvs.unwrap().corners, [0, 1, 2, 3, 6, 7, ABSENT]);
-        assert_eq!(polygons.materials.unwrap(), [7, 8]);
+        assert_eq!(polygons.materials.unwrap(), [slot(7), slot(8)]);
         let triangles = Polygons::of_mesh(with(&positions, uvs_again), &[[0, 2]], Scheme::Loop);
         assert_eq!(triangles.sizes, [3, 3, 3]);
     }

@@ -10,6 +10,7 @@ use kajo_math::DVec3;
 
 use super::cage::{Cage, NONE, Starts};
 use super::{PrimvarChannel, Scheme};
+use crate::ids::MaterialSlot;
 use crate::shape::mesh::ABSENT;
 
 /// Sums over what is around each vertex.
@@ -259,7 +260,7 @@ impl Steps<'_> {
         PrimvarChannel { values, corners }
     }
 
-    fn materials(&self, old: &[u32]) -> Vec<u32> {
+    fn materials(&self, old: &[MaterialSlot]) -> Vec<MaterialSlot> {
         let cage = self.cage;
         match self.scheme {
             Scheme::CatmullClark => (0..cage.corners.len()).map(|c| old[cage.face_of(c)]).collect(),

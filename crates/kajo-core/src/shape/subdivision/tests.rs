@@ -208,13 +208,13 @@ fn texture_coordinates_keep_their_seams() {
     // Every face has the whole picture.
     let uvs = (0..24).map(|c| [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y][c % 4]).collect();
     start.uvs = Some(PrimvarChannel { values: uvs, corners: (0..24).collect() });
-    start.materials = Some((0..6).collect());
+    start.materials = Some((0..6).filter_map(MaterialSlot::new).collect());
     let data = surface(start, SMOOTH, 2).into_mesh(true);
     let (uvs, slots) = (data.uvs.unwrap(), data.material_slots.unwrap());
     let mut areas = [0.0; 6];
     for (face, &slot) in uvs.faces.unwrap().iter().zip(&slots) {
         let [a, b, c] = face.map(|i| uvs.values[i as usize]);
-        areas[slot as usize] += 0.5 * (b - a).perp_dot(c - a);
+        areas[slot.index()] += 0.5 * (b - a).perp_dot(c - a);
     }
     assert!(areas.iter().all(|area| (area - 1.0).abs() < 1e-6), "{areas:?}");
     assert_eq!(data.faces.len() as u64, triangle_count(Scheme::CatmullClark, [6, 24], 2));
