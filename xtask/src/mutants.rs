@@ -76,8 +76,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "shadows are forgotten",
         STEPS,
-        "scene.transmittance(segment, eta, wavelengths, draws)",
-        "scene.transmittance(segment, eta, wavelengths, draws) * 0.0 + Spectrum::WHITE",
+        "scene.transmittance(segment, eta, wavelengths)",
+        "scene.transmittance(segment, eta, wavelengths) * 0.0 + Spectrum::WHITE",
     ),
     mutant(
         "lights stay where they were when the shutter opened",
