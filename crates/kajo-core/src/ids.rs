@@ -175,7 +175,7 @@ impl ObjectId {
     }
 }
 
-/// Names a material that parts of shapes bring: an entry of [`crate::scene::Appearance::slots`], or none.
+/// Names a material that parts of shapes bring: an entry of the slots of a [`crate::scene::Scene`], or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialSlot(u32);
 

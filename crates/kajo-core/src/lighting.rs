@@ -35,8 +35,8 @@ impl Scene {
     /// The share of light that comes straight along a segment between two points in one medium: less than 1 through
     /// holes and panes, and 0 behind anything else. What the medium itself absorbs is left out.
     ///
-    /// No estimate: the product over the surfaces crossed of what goes straight on through them, the opacity of holes and the Fresnel
-    /// transmittance of panes.
+    /// No estimate: the product over the surfaces crossed of [`Scene::passage`], which is `1 - opacity` of a surface with holes and the
+    /// Fresnel transmittance of a pane.
     ///
     /// * `eta`: index of refraction of the medium
     #[inline]

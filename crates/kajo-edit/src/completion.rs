@@ -45,8 +45,23 @@ pub fn completion(text: &str, at: usize) -> Option<Completion> {
 struct Open<'t> {
     /// What it is; `None` for the text itself, and where that is unknown.
     block: Option<&'static Block>,
+    /// Whether it is the text itself, or a `repeat` of what stands there.
+    is_outermost: bool,
     /// The keys of the items in it.
     keys: Vec<&'t str>,
+}
+
+impl<'t> Open<'t> {
+    /// The block behind a keyword in this one. A repeat holds what may stand around it.
+    fn opens(&self, keyword: &str) -> Open<'t> {
+        let is_repeat = keyword == "repeat" && self.block.is_none_or(|block| block.kind != Kind::Picture);
+        let block = match self.block {
+            around if is_repeat => around,
+            None if !self.is_outermost => None,
+            around => block_in(around, keyword),
+        };
+        Open { block, is_outermost: is_repeat && self.is_outermost, keys: Vec::new() }
+    }
 }
 
 /// What is known of a place as soon as it is found.
@@ -73,7 +88,7 @@ struct TypingPosition<'t> {
 
 impl<'t> TypingPosition<'t> {
     fn find(text: &'t str, at: usize) -> Option<TypingPosition<'t>> {
-        let mut open = vec![Open { block: None, keys: Vec::new() }];
+        let mut open = vec![Open { block: None, is_outermost: true, keys: Vec::new() }];
         // The last keyword, and whether its one word may still follow.
         let (mut keyword, mut takes_word) = ("", false);
         // Whether that is being typed: the next key may follow at once.
@@ -107,12 +122,7 @@ impl<'t> TypingPosition<'t> {
                     (takes_word, is_begun) = (false, false);
                 }
                 TokenKind::OpenBrace => {
-                    let block = match &open[..] {
-                        [.., Open { block: None, .. }] if open.len() > 1 => None,
-                        [.., last] => block_in(last.block, keyword),
-                        [] => None,
-                    };
-                    open.push(Open { block, keys: Vec::new() });
+                    open.push(open.last()?.opens(keyword));
                     takes_word = false;
                 }
                 TokenKind::CloseBrace => {
@@ -184,7 +194,7 @@ impl<'t> TypingPosition<'t> {
     /// Whether a block may stand here.
     fn may_hold(&self, block: &Block) -> bool {
         match self.block() {
-            None if self.open.len() == 1 => {
+            None if self.open.last().is_some_and(|open| open.is_outermost) => {
                 let outermost = [Kind::Camera, Kind::Settings, Kind::Animation, Kind::Background, Kind::Fog];
                 let lists = [Kind::Lights, Kind::Materials, Kind::Textures, Kind::Media, Kind::Group];
                 outermost.contains(&block.kind) || lists.contains(&block.kind)
@@ -206,6 +216,16 @@ mod tests {
         let completion = completion(&text, at)?;
         let words = completion.suggestions.iter().map(|suggestion| suggestion.word).collect();
         Some((text[completion.range].to_owned(), words))
+    }
+
+    #[test]
+    fn a_repeat_holds_what_stands_around_it() {
+        let keys = words("Group { Sphere { | } }").unwrap().1;
+        assert!(keys.contains(&"radius"));
+        for text in ["Group { repeat i 3 { Sphere { | } } }", "repeat i 3 { Group { Sphere { | } } }"] {
+            assert_eq!(words(text).unwrap().1, keys, "{text}");
+        }
+        assert_eq!(words("repeat i 3 { | }").unwrap().1, words(" | ").unwrap().1);
     }
 
     #[test]

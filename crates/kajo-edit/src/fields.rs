@@ -69,6 +69,8 @@ impl Tree {
             let item = if repeats { same.nth(nth) } else { same.next_back() };
             match item {
                 Some(item) => fields.push(self.written(spec, nth, *item)),
+                // Lists count their members themselves; a count that is set is one more thing to be wrong.
+                None if spec.kind == FieldKind::Count => {}
                 // Of several spellings there is the one that is written, or else the usual one.
                 None if spec.same_as.is_some() || self.other_spelling(node, spec.key).is_some() => {}
                 None => fields.push(self.absent(node, spec, nth, scene)),

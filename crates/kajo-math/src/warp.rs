@@ -82,7 +82,7 @@ pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// Moments of the points of a fine grid, against the integrals over disk and hemisphere.
+    /// What is left of the number is uniform in [0, 1) in both cases, also next to `p`, and for 0 and 1.
     #[test]
     fn a_choice_leaves_a_uniform_number() {
         for p in [0.0, 1e-6, 0.25, 0.5, 0.9, 1.0f32] {
@@ -105,6 +105,7 @@ mod tests {
         }
     }
 
+    /// Moments of the points of a fine grid, against the integrals over disk and hemisphere.
     #[test]
     fn disk_and_hemispheres_have_the_moments_of_their_densities() {
         let n = 256;

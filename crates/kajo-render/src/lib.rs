@@ -28,5 +28,5 @@ pub use schedule::{
     FailedUnit, Goal, Position, RenderError, RenderSettings, RenderStats, Unit, position_of, render,
     render_passes, render_work_unit,
 };
-pub use setup::{Setup, SetupError};
+pub use setup::{Setup, SetupError, panic_message};
 pub use trail::{LightSource, RayKind, Segment, Trail, TrailHit};

@@ -64,19 +64,20 @@ impl Setup<'_> {
                 let result = match self.progress.cancelled() {
                     true => Err(SetupError::Cancelled),
                     false => catch_unwind(AssertUnwindSafe(|| work(i)))
-                        .unwrap_or_else(|panic| Err(SetupError::Panicked(message_of(&*panic)))),
+                        .unwrap_or_else(|panic| Err(SetupError::Panicked(panic_message(&*panic)))),
                 };
                 let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
                 match result {
-                    Ok(task) => found.0.push((i, task)),
+                    Ok(task) => {
+                        found.0.push((i, task));
+                        // Under the lock, so that numbers are told in order.
+                        self.progress.prepared(found.0.len() as u32, n);
+                    }
                     Err(error) => {
                         stop.store(true, Ordering::Relaxed);
                         found.1.get_or_insert(error);
                     }
                 }
-                let done = found.0.len() as u32;
-                drop(found);
-                self.progress.prepared(done, n);
             }
         };
         thread::scope(|scope| {
@@ -123,8 +124,8 @@ impl Setup<'_> {
     }
 }
 
-/// The text of a panic.
-pub(crate) fn message_of(panic: &(dyn Any + Send)) -> String {
+/// The text of a panic that was caught.
+pub fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     text.unwrap_or("a panic without a message").to_string()

@@ -106,9 +106,15 @@ impl SceneBuilder {
         /// Points across and up where there is no table.
         const GRID: u8 = 4;
         const KNOWN: f32 = 0.9;
+        // The mean of a pattern or function is that of a part of space, which may be another one: where it says that there is no
+        // light, there may be some all the same.
+        const LEAST: f32 = 1e-3;
+        let of_luminance = |known: f32| Emission::from_rgb([known.clamp(LEAST, f32::MAX); 3]);
+        let is_unknown =
+            patch.varied.detail().has_pattern && !(LEAST..f32::INFINITY).contains(&mean.luminance());
         // What has no coordinates is asked for nothing.
         if matches!(patch.patch, Patch::Traced(_)) {
-            return (mean.clone(), None);
+            return (if is_unknown { of_luminance(LEAST) } else { mean.clone() }, None);
         }
         let (found, density) = match self.table(patch, n_patches) {
             Some(Table { cells, found, detail }) => {
@@ -120,6 +126,9 @@ impl SceneBuilder {
                 ((0..GRID * GRID).map(|i| patch.luminance(self, at(i))).collect(), None)
             }
         };
+        if is_unknown {
+            return (of_luminance(found.iter().sum::<f32>() / found.len() as f32), density);
+        }
         let share = found.iter().sum::<f32>() / (found.len() as f32 * mean.luminance());
         let share = if share.is_finite() { KNOWN * share + (1.0 - KNOWN) } else { 1.0 };
         (mean.clone().scaled(share), density)

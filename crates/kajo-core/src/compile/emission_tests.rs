@@ -87,6 +87,24 @@ fn leaving(
     scene.sample_le(sampler.sample(u)?.light, time, numbers, &Wavelengths::RGB, sampler.world())
 }
 
+/// The mean of a function is that of a cube around the origin; light that it gives elsewhere alone is drawn all the same.
+#[test]
+fn a_function_that_shines_far_from_the_origin_is_a_light() {
+    let material = "Matte emitter { emission = 50 * exp(-(x - 30)^2) }";
+    for thing in [
+        "Quad { corner 29.5 0 0 edge1 1 0 0 edge2 0 1 0 }",
+        "Sphere { center 30 0 0 radius 0.5 }",
+        "Torus { center 30 0 0 axis 0 1 0 majorRadius 0.5 minorRadius 0.2 }",
+        "Blob { threshold 0.5 sphere { center 30 0 0 radius 1 strength 1 } }",
+    ] {
+        let scene = lit(material, thing);
+        let drawn = scene.power_light_sampler().sample(0.5).unwrap_or_else(|| panic!("{thing}"));
+        let to = Receiver { p: Vec3::new(30.0, 3.0, 3.0), ..Receiver::default() };
+        let pmf = scene.lighting.sampler.pmf(drawn.light, &to, crate::light::LightSelection::Tree);
+        assert!(drawn.probability > 0.0 && pmf > 0.0, "{thing}: {} {pmf}", drawn.probability);
+    }
+}
+
 /// Whether two values are the same, and not on both sides of the edge of a texel or of a pattern.
 fn agree(a: Spectrum, b: Spectrum) -> bool {
     (a - b).to_rgb().iter().all(|d| d.abs() < 2e-3 * (1.0 + a.luminance()))

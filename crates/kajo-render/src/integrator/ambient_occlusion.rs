@@ -17,7 +17,7 @@ use kajo_math::{Frame, Vec2, warp};
 
 use super::camera_view::CameraView;
 use super::transport::{Event, PathState, SurfaceInteraction, advance, connect};
-use super::{Integrator, IntegratorSettings, IntegratorSpec, Prepare, Quantity, without_curves};
+use super::{Integrator, IntegratorSettings, IntegratorSpec, Prepare, Quantity};
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 
@@ -58,9 +58,12 @@ impl Prepare for AmbientOcclusionSettings {
     }
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
-        without_curves(scene).into_iter().collect()
+        (!scene.space().connects()).then_some(STRAIGHT).into_iter().collect()
     }
 }
+
+/// What it leaves out in scenes with bodies that bend light.
+const STRAIGHT: &str = "occlusion rays go straight through bodies that bend light: of `occlusion` the camera's rays alone are bent";
 
 /// The ambient occlusion integrator over one scene and one picture size.
 pub struct AmbientOcclusion<'a> {
@@ -105,35 +108,41 @@ impl Integrator for AmbientOcclusion<'_> {
         draws.skip(1); // There are no wavelengths.
         observer.counters().camera += 1;
         let media = self.view.media_around(&ray, &Wavelengths::RGB);
-        // The path has a copy of the numbers: what it takes is not missing below.
+        // The two numbers after these are those of the occlusion ray.
+        let mut of_path = draws;
+        of_path.skip(2);
         let mut path =
-            PathState::new(ray, Wavelengths::RGB, Spectrum::WHITE, Transport::Radiance, media, draws);
+            PathState::new(ray, Wavelengths::RGB, Spectrum::WHITE, Transport::Radiance, media, of_path);
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
-        match advance(scene, &mut path, &mut surface, &mut first, observer) {
+        let event = advance(scene, &mut path, &mut surface, &mut first, observer);
+        // As of all integrators, it is the first surface, hidden or not, that the layers record.
+        let first = first.map(|at| self.view.first_hit(&at, &mut ctx.aux));
+        match event {
             Event::Surface => {}
             Event::Escaped(_) => {
                 observer.found(|| [1.0; 3]);
                 ctx.aux.lights[0] = [1.0; 3];
-                return PixelSample { radiance: [1.0; 3], first: None };
+                return PixelSample { radiance: [1.0; 3], first };
             }
-            Event::Medium(_) | Event::Absorbed => return PixelSample::default(),
+            Event::Medium(_) | Event::Absorbed => return PixelSample { first, ..PixelSample::default() },
         }
         let SurfaceInteraction { at, wo, .. } = surface;
         let n = if wo.dot(at.point.n) < 0.0 { -at.point.n } else { at.point.n };
         let wi = Frame::from_normal(n).to_world(warp::cosine_hemisphere(draws.next_2d()));
         let segment = at.point.ray_towards(wi, self.settings.reach, ray.time, RayOffset::Auto);
-        let eta = path.media.eta_of_segment(scene);
-        let about = || About { eta: eta.unwrap_or(1.0), weight: [1.0; 3], light: None };
+        // Occlusion rays go straight, also in bodies that bend light.
+        let eta = path.media.eta();
+        let about = || About { eta, weight: [1.0; 3], light: None };
         // Below the true surface of a shading normal there is only that surface.
         let below = wi.dot(at.point.ng) * wo.dot(at.point.ng) < 0.0;
         let open = if below {
             observer.counters().shadow += 1;
             0.0
         } else {
-            connect(scene, &segment, eta, &path.wavelengths, observer).luminance()
+            connect(scene, &segment, Some(eta), &path.wavelengths, observer).luminance()
         };
         observer.joined(RayKind::Shadow, scene, &segment, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];
-        PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }
+        PixelSample { radiance: [open; 3], first }
     }
 }

@@ -19,7 +19,7 @@ use crate::{
     context::{Interrupt, Scratch},
     order,
     rect::{Grid, Rect},
-    setup::message_of,
+    setup::panic_message,
 };
 
 /// The units of a pass, numbered.
@@ -211,7 +211,7 @@ impl<'a, I: PixelIntegrator + ?Sized> Pass<'a, I> {
             let attempt = catch_unwind(AssertUnwindSafe(|| self.render(index, &unit, &mut part, &mut ctx)));
             if let Err(panic) = attempt {
                 ctx.scratch = Scratch::default();
-                failed.push(FailedUnit { unit, message: message_of(&*panic) });
+                failed.push(FailedUnit { unit, message: panic_message(&*panic) });
             }
         }
         let mut outcome = self.outcome.lock().unwrap_or_else(PoisonError::into_inner);

@@ -180,8 +180,13 @@ fn type_of(field: &FieldSpec) -> String {
 }
 
 /// A field, and whether it stands there several times, as the two materials of a `Mix` do.
+///
+/// The segments of a path are none: their order counts, which arguments do not have, so that they are items.
 fn fields_of(block: &Block) -> Vec<(&'static FieldSpec, bool)> {
     let mut fields: Vec<(&FieldSpec, bool)> = Vec::new();
+    if block.fields().all(|field| field.repeats) {
+        return fields;
+    }
     for field in block.fields().filter(|field| field.same_as.is_none() && !is_operation(field)) {
         match fields.last_mut().filter(|(last, _)| last.key == field.key) {
             Some((_, several)) => *several = true,

@@ -1,6 +1,5 @@
 //! Debug rays by a thread of their own, for a window that may not wait while an integrator prepares.
 
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -8,7 +7,7 @@ use std::thread::{self, JoinHandle};
 
 use kajo_core::scene::Scene;
 use kajo_math::DVec2;
-use kajo_render::{Progress, SetupError};
+use kajo_render::{Progress, SetupError, panic_message};
 
 use super::{DebugRay, DebugRays};
 use crate::{CameraPose, RenderSettings, Resources};
@@ -176,7 +175,7 @@ impl Shared {
             let subject = Arc::clone(&first.subject);
             let served = catch_unwind(AssertUnwindSafe(|| self.serve(&subject, first)));
             if let Err(panic) = served {
-                self.give_up(SetupError::Panicked(message_of(&*panic)));
+                self.give_up(SetupError::Panicked(panic_message(&*panic)));
             }
         }
     }
@@ -207,7 +206,12 @@ impl Shared {
             }
             if let Some(order) = &state.next {
                 let is_same = state.current.as_ref().is_some_and(|of| Arc::ptr_eq(of, &order.subject));
-                return if is_same { state.next.take() } else { None };
+                if !is_same {
+                    return None;
+                }
+                // Another subject may have been asked for between.
+                self.is_unwanted.store(false, Ordering::Relaxed);
+                return state.next.take();
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
@@ -262,11 +266,4 @@ impl Progress for Shared {
         self.set_prepared([done, tasks]);
         (self.wake)();
     }
-}
-
-/// The text of a panic.
-fn message_of(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("a panic without a message").to_owned()
 }

@@ -459,7 +459,6 @@ fn a_prober_prepares_once_for_all_rays_of_a_subject() {
     let of = subject(&scene, prepared()[2].clone());
     let rays = [DVec2::new(60.0, 50.0), DVec2::new(20.0, 60.0)].map(|place| {
         prober.shoot(&of, place, 0);
-        assert!(prober.progress().is_some());
         let (ray, n) = wait(&prober, &wakes);
         assert!(prober.progress().is_none());
         let alone = debug_ray(&scene, &of.settings, &of.camera, place, 0).unwrap();
@@ -478,6 +477,7 @@ fn a_prober_drops_what_nobody_wants_any_more() {
     let place = DVec2::new(60.0, 50.0);
     for _ in 0..2 {
         prober.shoot(&slow, place, 0);
+        assert!(prober.progress().is_some());
         wakes.recv().unwrap();
         assert!(prober.progress().is_some());
         prober.shoot(&quick, place, 0);
@@ -487,6 +487,13 @@ fn a_prober_drops_what_nobody_wants_any_more() {
     prober.forget();
     assert!(prober.progress().is_none() && prober.take().is_none());
     prober.shoot(&quick, place, 0);
+    assert!(wait(&prober, &wakes).0.is_ok());
+    // A subject that is wanted again before its preparation has ended for another one.
+    let again = subject(&scene, Settings { photons: Some(1 << 18), ..prepared()[2].clone() });
+    prober.shoot(&again, place, 0);
+    wakes.recv().unwrap();
+    prober.shoot(&quick, place, 0);
+    prober.shoot(&again, place, 0);
     assert!(wait(&prober, &wakes).0.is_ok());
     // Nor does anybody wait for it at the end.
     prober.shoot(&slow, place, 0);

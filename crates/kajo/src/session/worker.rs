@@ -1,6 +1,5 @@
 //! The session's own thread.
 
-use std::any::Any;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
@@ -13,6 +12,7 @@ use kajo_core::scene::Scene;
 use kajo_image::Format;
 use kajo_render::{
     Film, FilmSpec, Filter, Goal, Layer, LayerSet, Position, Progress, RenderError as PassError, RenderStats,
+    panic_message,
 };
 
 use super::{Frame, Job, Status};
@@ -92,7 +92,7 @@ impl Shared {
         while let Some((number, job)) = self.next() {
             let run = Run { shared: self, number, start: Instant::now() };
             let outcome = catch_unwind(AssertUnwindSafe(|| run.render(&job)));
-            let outcome = outcome.unwrap_or_else(|panic| Err(RenderError::panicked(message_of(&*panic))));
+            let outcome = outcome.unwrap_or_else(|panic| Err(RenderError::panicked(panic_message(&*panic))));
             run.end(outcome);
         }
     }
@@ -264,11 +264,4 @@ fn layers(scene: &Scene, views: &[View], settings: &RenderSettings) -> LayerSet 
     let of = |(view, format): (View, Format)| view.layers(format, settings, scene.lighting.groups.len());
     let layers: Vec<Layer> = pairs.flat_map(of).chain([Layer::Color]).collect();
     LayerSet::of(&layers)
-}
-
-/// The text of a panic.
-fn message_of(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("a panic without a message").to_owned()
 }

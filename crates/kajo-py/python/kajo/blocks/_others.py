@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Literal
 
 from .._items import (
     Block,
@@ -110,92 +110,21 @@ class PlanePart(PartBlock):
 
 
 class Outline(PartBlock):
-    """A closed path around a prism.
-
-    Args:
-        line: goes straight from point to point (numbers in groups of 2). Default: none.
-        quadratic: quadratic Béziers by pairs of points: one each is drawn towards, and its end
-            (numbers in groups of 2). Default: none.
-        cubic: cubic Béziers by three points each: two it is drawn towards, and its end (numbers
-            in groups of 2). Default: none.
-        spline: goes smoothly through points (numbers in groups of 2). Default: none.
-    """
+    """A closed path around a prism."""
 
     keyword = "outline"
-    several: ClassVar[tuple[str, ...]] = ("line","quadratic","cubic","spline",)
-
-    def __init__(
-        self, *children: Item, name: str | None = None,
-        line: Sequence[Number | Vector] | None = None,
-        quadratic: Sequence[Number | Vector] | None = None,
-        cubic: Sequence[Number | Vector] | None = None,
-        spline: Sequence[Number | Vector] | None = None,
-    ) -> None:
-        super().__init__(*children, name=name)
-        self.line = line
-        self.quadratic = quadratic
-        self.cubic = cubic
-        self.spline = spline
 
 
 class Profile(PartBlock):
-    """A path that a lathe turns.
-
-    Args:
-        line: goes straight from point to point (numbers in groups of 2). Default: none.
-        quadratic: quadratic Béziers by pairs of points: one each is drawn towards, and its end
-            (numbers in groups of 2). Default: none.
-        cubic: cubic Béziers by three points each: two it is drawn towards, and its end (numbers
-            in groups of 2). Default: none.
-        spline: goes smoothly through points (numbers in groups of 2). Default: none.
-    """
+    """A path that a lathe turns."""
 
     keyword = "profile"
-    several: ClassVar[tuple[str, ...]] = ("line","quadratic","cubic","spline",)
-
-    def __init__(
-        self, *children: Item, name: str | None = None,
-        line: Sequence[Number | Vector] | None = None,
-        quadratic: Sequence[Number | Vector] | None = None,
-        cubic: Sequence[Number | Vector] | None = None,
-        spline: Sequence[Number | Vector] | None = None,
-    ) -> None:
-        super().__init__(*children, name=name)
-        self.line = line
-        self.quadratic = quadratic
-        self.cubic = cubic
-        self.spline = spline
 
 
 class Path(PartBlock):
-    """A path of the balls of a sweep.
-
-    Args:
-        line: goes straight from point to point (numbers in groups of 4: any, any, any, ≥ 0).
-            Default: none.
-        quadratic: quadratic Béziers by pairs of points: one each is drawn towards, and its end
-            (numbers in groups of 4: any, any, any, ≥ 0). Default: none.
-        cubic: cubic Béziers by three points each: two it is drawn towards, and its end (numbers
-            in groups of 4: any, any, any, ≥ 0). Default: none.
-        spline: goes smoothly through points (numbers in groups of 4: any, any, any, ≥ 0).
-            Default: none.
-    """
+    """A path of the balls of a sweep."""
 
     keyword = "path"
-    several: ClassVar[tuple[str, ...]] = ("line","quadratic","cubic","spline",)
-
-    def __init__(
-        self, *children: Item, name: str | None = None,
-        line: Sequence[Number | Vector] | None = None,
-        quadratic: Sequence[Number | Vector] | None = None,
-        cubic: Sequence[Number | Vector] | None = None,
-        spline: Sequence[Number | Vector] | None = None,
-    ) -> None:
-        super().__init__(*children, name=name)
-        self.line = line
-        self.quadratic = quadratic
-        self.cubic = cubic
-        self.spline = spline
 
 
 class Strand(PartBlock):

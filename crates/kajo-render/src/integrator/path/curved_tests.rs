@@ -8,7 +8,10 @@ use super::tests::{TECHNIQUES, camera, check, mean, mean_of, scene};
 use super::*;
 use crate::RenderSettings;
 use crate::integrator::same_picture::assert_same_picture;
-use crate::integrator::{Bidirectional, BidirectionalSettings, PhotonMapping, PhotonSettings};
+use crate::integrator::{
+    AmbientOcclusion, AmbientOcclusionSettings, Bidirectional, BidirectionalSettings, PhotonMapping,
+    PhotonSettings,
+};
 use crate::trail::Trail;
 
 fn settings(bounces: u32) -> PathSettings {
@@ -46,6 +49,25 @@ fn a_uniform_sky_is_as_bright_as_the_square_of_the_index() {
     // Where it begins n is not that of the middle: 2 - 0.5^2.
     let beside = filled(&under_a_white_sky([0.5, 0.0, 0.0], [0.3, 0.5, 0.1]), "LuneburgLens m { }", BALL);
     check(&beside, settings(20), 100, 1.75);
+}
+
+/// Within a body that bends light occlusion rays go straight, as they do without it.
+#[test]
+fn occlusion_is_the_same_within_a_body_of_index_one() {
+    let of = |ball: &str| {
+        let objects = format!(
+            "{ball} MaterialIndex white Quad {{ corner -0.5 -0.2 -0.5 edge1 0 0 1 edge2 1 0 0 }}
+             Sphere {{ center 0.1 0 0 radius 0.15 }}"
+        );
+        let scene =
+            filled(&camera([0.0, 0.4, 0.4], [0.0, -0.2, 0.0]), "GradientIndex m { index 1 }", &objects);
+        let settings = AmbientOcclusionSettings { reach: 0.3 };
+        mean_of(&AmbientOcclusion::new(&scene, settings, [1, 1], LayerSet::of(&[])), 2000, 0)
+    };
+    let [with, without] = [BALL, ""].map(of);
+    assert!(without.mean > 0.2 && without.mean < 0.95, "{without:?}");
+    let sigma = with.standard_error.hypot(without.standard_error);
+    assert!((with.mean - without.mean).abs() < 4.0 * sigma, "{with:?} {without:?}");
 }
 
 /// A body of the index 1 is not there: it changes no mean, though segments do not go through it.

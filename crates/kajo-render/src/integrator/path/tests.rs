@@ -430,6 +430,35 @@ fn a_hidden_boundary_before_a_light_takes_nothing_away() {
     check(&scene(&hidden), settings, 8000, clear.mean);
 }
 
+/// What is before the camera and hidden neither stops its ray nor moves the surface behind, and layers say what others do of it.
+#[test]
+fn occlusion_goes_on_behind_a_hidden_boundary() {
+    let view = camera([0.0, 0.5, 0.5], [0.0, 0.0, 0.0]);
+    let text = |ball: &str| {
+        format!(
+            "{view} Materials {{ Glass air {{ indexOfRefraction 1  priority 1 }}  Glass ball {{ }}  Matte floor {{ }} }}
+             Group {{ MaterialIndex air Box {{ min -5 -5 -5 max 5 5 5 }} {ball}
+                      MaterialIndex floor Quad {{ corner -2 0 -2 edge1 0 0 4 edge2 4 0 0 }} }}"
+        )
+    };
+    let [clear, hidden] =
+        ["", "MaterialIndex ball Sphere { center 0 0.25 0.25 radius 0.1 }"].map(|ball| scene(&text(ball)));
+    let sampler = Sampler::new(SamplerKind::Uniform, 1);
+    let sample = |integrator: &dyn PixelIntegrator| {
+        let mut ctx = SampleContext::new(&sampler, 0);
+        let position = ctx.begin([0, 0], 0);
+        integrator.sample(&mut ctx, [0, 0], position)
+    };
+    let occlusion = |scene: &Scene| {
+        let settings = AmbientOcclusionSettings { reach: 0.1 };
+        sample(&AmbientOcclusion::new(scene, settings, [1, 1], LayerSet::of(&[])))
+    };
+    assert_eq!((occlusion(&clear).radiance, occlusion(&hidden).radiance), ([1.0; 3], [1.0; 3]));
+    let path = sample(&Path::new(&hidden, PathSettings::default(), [1, 1], LayerSet::of(&[])));
+    assert_eq!(occlusion(&hidden).first, path.first);
+    assert!(path.first.is_some_and(|first| first.t < 0.4), "the ball: {:?}", path.first);
+}
+
 #[test]
 fn a_glossy_surface_in_a_body_of_its_own_index_is_not_glossy() {
     // Seen against the normal, where the share that is mirrored is ((n - m) / (n + m))^2.
