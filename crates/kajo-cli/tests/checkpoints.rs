@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 75] = [
+const ROLES: [(&str, Role); 77] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -161,6 +161,8 @@ const ROLES: [(&str, Role); 75] = [
     ("total-reflection", Decides("", "--total-reflection on")),
     ("ray-offset", Decides("", "--ray-offset reference")),
     ("branches", Decides("--integrator distribution", "--branches 3")),
+    ("guiding", Decides("--integrator path", "--guiding on")),
+    ("training", Decides("--integrator path --guiding on", "--training 9")),
     ("photons", Decides("--integrator sppm", "--photons 500")),
     ("photon-map", Decides("--integrator photon", "--photon-map direct")),
     ("merging", Decides("--integrator vcm", "--merging off")),

@@ -308,6 +308,10 @@ pub struct Settings {
     pub caustics: Option<Caustics>,
     /// Whether paths of little weight end at random.
     pub roulette: Option<bool>,
+    /// Whether directions are drawn by where light has come from.
+    pub guiding: Option<bool>,
+    /// Samples of each pixel by which that is learned.
+    pub training: Option<u32>,
     /// Paths from lights that photons are left by: for one map.
     pub photons: Option<u32>,
     /// What a photon map is used for.
@@ -409,6 +413,8 @@ impl Settings {
             light_choice: self.light_choice.or(there.light_choice),
             caustics: self.caustics.or(there.caustics),
             roulette: self.roulette.or(there.roulette),
+            guiding: self.guiding.or(there.guiding),
+            training: self.training.or(there.training),
             photons: self.photons.or(there.photons),
             photon_map: self.photon_map.or(there.photon_map),
             merging: self.merging.or(there.merging),
@@ -442,6 +448,8 @@ pub enum SettingsKey {
     Roulette,
     Spectral,
     Branches,
+    Guiding,
+    Training,
     Photons,
     PhotonMap,
     Merging,
@@ -459,7 +467,7 @@ pub enum SettingsKey {
 
 impl SettingsKey {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [SettingsKey; 25] = [
+    pub const ALL: [SettingsKey; 27] = [
         SettingsKey::Bounces,
         SettingsKey::Weight,
         SettingsKey::Fresnel,
@@ -472,6 +480,8 @@ impl SettingsKey {
         SettingsKey::Roulette,
         SettingsKey::Spectral,
         SettingsKey::Branches,
+        SettingsKey::Guiding,
+        SettingsKey::Training,
         SettingsKey::Photons,
         SettingsKey::PhotonMap,
         SettingsKey::Merging,
@@ -505,6 +515,8 @@ impl SettingsKey {
             SettingsKey::Roulette => said(settings.roulette.is_some(), "roulette"),
             SettingsKey::Spectral => said(settings.spectral.is_some(), "spectral"),
             SettingsKey::Branches => said(settings.branches.is_some(), "branches"),
+            SettingsKey::Guiding => said(settings.guiding.is_some(), "guiding"),
+            SettingsKey::Training => said(settings.training.is_some(), "training"),
             SettingsKey::Photons => said(settings.photons.is_some(), "photons"),
             SettingsKey::PhotonMap => said(settings.photon_map.is_some(), "photonMap"),
             SettingsKey::Merging => said(settings.merging.is_some(), "merging"),

@@ -169,6 +169,8 @@ fn a_scene_by_program_has_the_picture_of_the_text() {
             shadows: Some(Shadows::Transparent),
             bounces: Some(4),
             spectral: Some(spectral),
+            guiding: Some(true),
+            training: Some(20),
             photons: Some(2000),
             rays: Some(64),
             ..Settings::default()

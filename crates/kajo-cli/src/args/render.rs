@@ -113,6 +113,12 @@ pub struct RenderArgs {
     /// Whether paths of little weight end at random
     #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
     pub roulette: Option<bool>,
+    /// Paths: draws directions by where light has come from
+    #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
+    pub guiding: Option<bool>,
+    /// Guided paths: samples of each pixel by which the guide learns
+    #[arg(long, value_name = "N", help_heading = "Paths", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub training: Option<u32>,
     /// Photon maps: paths from lights for one map
     #[arg(long, value_name = "N", help_heading = "Paths", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub photons: Option<u32>,
@@ -244,6 +250,8 @@ impl RenderArgs {
             integrator: self.integrator,
             spectral: self.spectral,
             branches: self.branches,
+            guiding: self.guiding,
+            training: self.training,
             photons: self.photons,
             photon_map: self.photon_map,
             merging: self.merging,

@@ -61,6 +61,9 @@ const MAX_BRANCHES: u32 = 1 << 16;
 /// The most photons of a map: more would not be numbered by 32 bits once they have been scattered.
 const MAX_PHOTONS: u32 = 100_000_000;
 
+/// Most samples by which a guide learns.
+const MAX_TRAINING: u32 = 1 << 16;
+
 /// The least and the largest number of rays for a record of irradiance.
 const RECORD_RAYS: [u32; 2] = [16, 1 << 20];
 
@@ -142,6 +145,10 @@ keys! {
             .presumed(Constant::Word("scattering"), "how light through smooth glass is found"),
         roulette: Option<bool> =
             flag("roulette").ruled(roulette, "by the integrator", "faint paths end by chance"),
+        guiding: Option<bool> = flag("guiding")
+            .presumed(Constant::Word("off"), "directions by where light has come from"),
+        training: Option<u32> = count("training", 1, MAX_TRAINING)
+            .ruled(training, "a quarter of `samples`", "samples of each pixel by which a guide learns"),
         photons: Option<u32> = count("photons", 1, MAX_PHOTONS)
             .ruled(photons, "by the integrator", "paths from lights for a photon map"),
         photon_map: Option<PhotonMapUse> = choice::<PhotonMapUse>("photonMap")
@@ -220,6 +227,10 @@ fn branches(around: &Around<'_>) -> Option<FieldValue> {
     Some(FieldValue::numbers([(around.render)()?.branches?.into()]))
 }
 
+fn training(around: &Around<'_>) -> Option<FieldValue> {
+    Some(FieldValue::numbers([(around.render)()?.training?.into()]))
+}
+
 fn photons(around: &Around<'_>) -> Option<FieldValue> {
     Some(FieldValue::numbers([(around.render)()?.photons?.into()]))
 }
@@ -273,6 +284,8 @@ impl From<SettingsKeys> for Settings {
             light_choice: keys.light_choice,
             caustics: keys.caustics,
             roulette: keys.roulette,
+            guiding: keys.guiding,
+            training: keys.training,
             photons: keys.photons,
             photon_map: keys.photon_map,
             merging: keys.merging,

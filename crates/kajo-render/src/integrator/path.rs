@@ -36,6 +36,7 @@
 //! the others end.
 
 mod directions;
+mod guiding;
 mod learned;
 mod relativistic;
 mod settings;
@@ -46,7 +47,7 @@ use std::mem;
 use kajo_color::Spectrum;
 use kajo_core::bsdf::Transport;
 use kajo_core::camera::Camera;
-use kajo_core::light::{LightChoice, LightSelection};
+use kajo_core::light::{LightChoice, LightSelection, LightVisibility};
 use kajo_core::scene::Scene;
 use kajo_core::settings::Directions;
 use kajo_math::Vec2;
@@ -57,10 +58,11 @@ use super::transport::{LaneMis, PathState};
 use crate::context::emptied;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext, Setup, SetupError, WithState};
+pub use guiding::GuidedPath;
 pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 pub(super) use tracer::power_heuristic;
-pub(super) use tracer::{CameraPath, DiffuseVertex, Indirect, IndirectLight, PathTracer};
+pub(super) use tracer::{CameraPath, DiffuseVertex, Indirect, IndirectLight, Leaving, PathTracer, Worth};
 use tracer::{Casters, Fork, Sampled, ThroughGlass};
 
 /// The path tracer over one scene and one picture size.
@@ -121,13 +123,12 @@ fn integrator_of<'a>(
     layers: LayerSet,
 ) -> Box<dyn crate::PixelIntegrator + 'a> {
     match scene.relativity.as_deref() {
-        None => {
+        None if settings.walks_in(scene) => {
             let path = Path::through(camera, scene, settings, size, layers);
-            if !settings.walks_in(scene) {
-                return Box::new(path);
-            }
             Box::new(ManifoldPath { path, casters: Casters::of(scene) })
         }
+        None if settings.is_guided() => Box::new(GuidedPath::through(camera, scene, settings, size, layers)),
+        None => Box::new(Path::through(camera, scene, settings, size, layers)),
         Some(all) => Box::new(RelativisticPath::new(camera, scene, all, settings, size, layers)),
     }
 }
@@ -144,8 +145,7 @@ impl Integrator for Path<'_> {
     }
 
     fn samples_per_state(&self) -> Option<u32> {
-        let is_choice = self.view.scene.lighting.sampler.len() > 1;
-        (is_choice && self.settings.light_choice == LightChoice::Learned).then_some(u32::MAX)
+        self.learns_lights().then_some(u32::MAX)
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
@@ -186,7 +186,8 @@ impl Path<'_> {
             state.lanes = LaneMis::new(&wavelengths, state.draws.next_1d());
         }
         observer.counters().camera += 1;
-        let forks = self.forks().then(|| mem::take(ctx.scratch.get::<Vec<Fork<'static, O::Mark>>>()));
+        let room = C::GUIDES || self.forks();
+        let forks = room.then(|| mem::take(ctx.scratch.get::<Vec<Fork<'static, O::Mark>>>()));
         let forks = forks.map_or_else(Vec::new, emptied);
         let mut tracer =
             PathTracer::new(&self.view, &self.settings, observer, indirect, forks).choosing(lights);
@@ -199,10 +200,21 @@ impl Path<'_> {
         }
         let first = found.first.as_ref().map(|at| self.view.first_hit(at, &mut ctx.aux));
         let (forks, indirect) = tracer.into_parts();
-        if self.forks() {
+        if room {
             *ctx.scratch.get::<Vec<Fork<'static, O::Mark>>>() = emptied(forks);
         }
         (PixelSample { radiance, first }, indirect)
+    }
+
+    /// Whether lights are chosen by what is learned to arrive.
+    fn learns_lights(&self) -> bool {
+        let is_choice = self.view.scene.lighting.sampler.len() > 1;
+        is_choice && self.settings.light_choice == LightChoice::Learned
+    }
+
+    /// How lights are chosen, with what is known of those that arrive.
+    fn lights_by<'v>(&self, visibility: Option<&'v LightVisibility>) -> LightSelection<'v> {
+        visibility.map_or(self.settings.light_choice.into(), LightSelection::Learned)
     }
 
     /// Whether paths ever fork.

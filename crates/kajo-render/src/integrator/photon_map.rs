@@ -87,6 +87,11 @@ impl Photon {
         }
     }
 
+    /// The point that it came to.
+    pub fn p(&self) -> Vec3 {
+        self.p.into()
+    }
+
     /// Unit direction that it came from.
     pub fn wi(&self) -> Vec3 {
         from_square([self.wi & 0x3FFF, self.wi >> 14 & 0x3FFF], 14)

@@ -37,6 +37,8 @@ fn saying(key: SettingsKey) -> Vec<Settings> {
         SettingsKey::Roulette => [true, false].map(|on| Settings { roulette: Some(on), ..none() }).to_vec(),
         SettingsKey::Spectral => vec![Settings { spectral: Some(true), ..none() }],
         SettingsKey::Branches => vec![Settings { branches: Some(5), ..none() }],
+        SettingsKey::Guiding => vec![Settings { guiding: Some(true), ..none() }],
+        SettingsKey::Training => vec![Settings { training: Some(77), ..none() }],
         SettingsKey::Photons => vec![Settings { photons: Some(77), ..none() }],
         SettingsKey::PhotonMap => vec![Settings { photon_map: Some(PhotonMapUse::Direct), ..none() }],
         SettingsKey::Merging => [true, false].map(|on| Settings { merging: Some(on), ..none() }).to_vec(),

@@ -137,6 +137,22 @@ fn path_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings)
                 ui.add(Slider::new(branches, 1..=256).logarithmic(true))
             });
         }
+        SettingsKey::Guiding => {
+            let hint = "Directions are drawn by where light has come from, which is learned first";
+            known(ui, ["Guiding", hint], &mut asked.guiding, now.guiding, on);
+        }
+        SettingsKey::Training if now.guiding == Some(true) => {
+            let hint = "Samples of each pixel by which the guide learns";
+            known(ui, ["Training", hint], &mut asked.training, now.training, |ui, samples| {
+                ui.add(Slider::new(samples, 1..=1024).logarithmic(true))
+            });
+        }
+        _ => photon_row(ui, key, asked, now),
+    }
+}
+
+fn photon_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings) {
+    match key {
         SettingsKey::Photons => {
             let hint = "Paths from lights for one photon map";
             known(ui, ["Photons", hint], &mut asked.photons, now.photons, |ui, photons| {
@@ -149,12 +165,6 @@ fn path_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings)
                 choice(ui, "photon map", value, &PhotonMapUse::NAMES)
             });
         }
-        _ => merge_row(ui, key, asked, now),
-    }
-}
-
-fn merge_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings) {
-    match key {
         SettingsKey::Merging => {
             let hint = "Paths from lights are merged with those from the camera";
             known(ui, ["Merging", hint], &mut asked.merging, now.merging, on);

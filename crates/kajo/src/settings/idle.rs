@@ -73,6 +73,8 @@ mod tests {
             ("totalReflection on", "classic"),
             ("rayOffset reference", "classic"),
             ("branches 4", "distribution"),
+            ("guiding on", "path"),
+            ("training 8", "path"),
             ("photons 1000", "photon sppm vcm"),
             ("photonMap direct", "photon"),
             ("merging off", "vcm"),

@@ -29,7 +29,7 @@ const FEW: [usize; 2] = [2, 16];
 /// A colour of a ramp.
 const COLOR_STOP: FieldSpec = FieldSpec {
     repeats: true,
-    about: "a place from 0 to 1, and the colour there; any number of these, in order",
+    about: "a position from 0 to 1, and the colour there; any number of these, in order",
     ..FieldSpec::new(
         "stop",
         FieldKind::Numbers(&[NumberRange::ANY, NumberRange::SHARE, NumberRange::SHARE, NumberRange::SHARE]),
@@ -39,7 +39,7 @@ const COLOR_STOP: FieldSpec = FieldSpec {
 /// A number of a curve.
 const NUMBER_STOP: FieldSpec = FieldSpec {
     repeats: true,
-    about: "a place from 0 to 1, and the number there; any number of these, in order",
+    about: "a position from 0 to 1, and the number there; any number of these, in order",
     ..FieldSpec::new("stop", FieldKind::Numbers(&[NumberRange::ANY, NumberRange::SHARE]))
 };
 
@@ -242,8 +242,10 @@ fn stops<'t, const N: usize>(
 ) -> Option<Vec<(f32, [f32; N])>> {
     if items.is_empty() {
         let error = Diagnostic::error("there is no `stop`");
-        params
-            .report(error.help("a `stop` has a place from 0 to 1, and what is there"), "has nothing to say");
+        params.report(
+            error.help("a `stop` has a position from 0 to 1, and what is there"),
+            "has nothing to say",
+        );
         return None;
     }
     let found: Vec<_> = items.iter().map(|&item| Args::read(item, params.diagnostics(), &read)).collect();

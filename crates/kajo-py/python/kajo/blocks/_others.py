@@ -180,6 +180,9 @@ class Settings(Block):
         caustics: how light through smooth glass is found (manifold or scattering). Default:
             scattering.
         roulette: faint paths end by chance (on or off). Default: by the integrator.
+        guiding: directions by where light has come from (on or off). Default: off.
+        training: samples of each pixel by which a guide learns (whole number from 1 to 65536).
+            Default: a quarter of `samples`.
         photons: paths from lights for a photon map (whole number from 1 to 100000000). Default:
             by the integrator.
         photon_map: what the photon map is used for (caustics, direct or gather). Default:
@@ -233,6 +236,8 @@ class Settings(Block):
         light_choice: Literal["tree", "uniform", "learned"] | None = None,
         caustics: Literal["manifold", "scattering"] | None = None,
         roulette: bool | None = None,
+        guiding: bool | None = None,
+        training: int | None = None,
         photons: int | None = None,
         photon_map: Literal["caustics", "direct", "gather"] | None = None,
         merging: bool | None = None,
@@ -270,6 +275,8 @@ class Settings(Block):
         self.light_choice = light_choice
         self.caustics = caustics
         self.roulette = roulette
+        self.guiding = guiding
+        self.training = training
         self.photons = photons
         self.photon_map = photon_map
         self.merging = merging

@@ -245,7 +245,7 @@ impl Subpath<'_> {
             mis: vertex.mis,
         };
         let bounces = state.scatterings;
-        survives_in_medium(state, at, bounces, roulette)
+        survives_in_medium(state, at, bounces, roulette, 1.0)
     }
 
     /// Goes on from a vertex along a direction drawn by its scattering; `false` when the path ends there.

@@ -71,7 +71,10 @@ pub(super) fn prepare<'a>(path: &'a Path<'a>, setup: &Setup<'_>) -> Result<WithS
 }
 
 /// What arrives, and the rays that it took.
-fn learn(path: &Path<'_>, setup: &Setup<'_>) -> Result<(LightVisibility, RayCounters), SetupError> {
+pub(super) fn learn(
+    path: &Path<'_>,
+    setup: &Setup<'_>,
+) -> Result<(LightVisibility, RayCounters), SetupError> {
     let sampler = &path.view.scene.lighting.sampler;
     let [width, height] = path.view.size.map(u64::from);
     let tasks = (width * height * PATHS_PER_PIXEL).clamp(PATHS[0], PATHS[1]) / TASK;

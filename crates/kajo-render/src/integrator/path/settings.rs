@@ -35,6 +35,10 @@ pub struct PathSettings {
     pub spectral: bool,
     /// How lights behind glass are found.
     pub caustics: Caustics,
+    /// Whether directions are drawn by where light has come from, too [Müller, Gross and Novák 2017].
+    pub guiding: bool,
+    /// Samples of each pixel by which that is learned.
+    pub training: u32,
 }
 
 impl PathSettings {
@@ -50,6 +54,8 @@ impl PathSettings {
         roulette: true,
         spectral: false,
         caustics: Caustics::Scattering,
+        guiding: false,
+        training: 16,
     };
 }
 
@@ -62,16 +68,27 @@ impl Default for PathSettings {
 /// How often light is scattered in a scene with media, unless something else is said.
 const BOUNCES_IN_MEDIA: u32 = 1000;
 
+/// Samples of each pixel, unless others are asked for.
+const PATH_SAMPLES: u32 = 64;
+
+/// Samples of a picture for each by which a guide learns, unless something else is said.
+const TRAINED: u32 = 4;
+
+/// Samples of each pixel by which a guide learns at most, unless more are asked for.
+const MOST_TRAINING: u32 = 64;
+
 /// Path tracing.
 pub const PATH: IntegratorSpec = IntegratorSpec {
     name: IntegratorName("path"),
     about: "light along paths of any length",
     quantity: Quantity::Radiance,
     splats: false,
-    samples: 64,
+    samples: PATH_SAMPLES,
     keys: &{
         let [bounces, technique, directions, light_choice, roulette, spectral] = KEYS;
-        [bounces, technique, directions, light_choice, SettingsKey::Caustics, roulette, spectral]
+        let [caustics, guiding, training] =
+            [SettingsKey::Caustics, SettingsKey::Guiding, SettingsKey::Training];
+        [bounces, technique, directions, light_choice, caustics, roulette, spectral, guiding, training]
     },
     settings: |context| {
         let path = PathSettings::default();
@@ -79,7 +96,18 @@ pub const PATH: IntegratorSpec = IntegratorSpec {
         let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { path.bounces };
         let bounces = bounces_of_paths(context.scene, bounces);
         let caustics = context.said.caustics.unwrap_or(path.caustics);
-        IntegratorSettings::Path(said(context, PathSettings { bounces, caustics, ..path }))
+        let guiding = context.said.guiding.unwrap_or(path.guiding);
+        // A number that nobody asks for is no reason why a render could not go on to more samples.
+        let training = match context.said.samples {
+            Some((_, samples)) if guiding => (samples / TRAINED).clamp(1, MOST_TRAINING),
+            _ => PATH_SAMPLES / TRAINED,
+        };
+        IntegratorSettings::Path(PathSettings {
+            caustics,
+            guiding,
+            training: context.said.training.unwrap_or(training),
+            ..said(context, PathSettings { bounces, ..path })
+        })
     },
 };
 
@@ -122,6 +150,9 @@ const WITHOUT_WALKS: &str = "`caustics manifold` has no effect in scenes with me
 const WITHOUT_CURVES_AMONG_FRAMES: &str =
     "between things that move nearly as fast as light it goes straight through bodies that bend it";
 
+/// What is said of a guide that has nothing to do.
+const WITHOUT_GUIDE: &str = "`guiding` has no effect: directions are guided where they are drawn by scattering alone, and `directions` or `caustics` asks for another rule";
+
 /// What all of them listen to.
 const KEYS: [SettingsKey; 6] = [
     SettingsKey::Bounces,
@@ -152,6 +183,11 @@ impl PathSettings {
     pub(super) fn walks_in(&self, scene: &Scene) -> bool {
         self.caustics == Caustics::Manifold && !lacks_segments(scene)
     }
+
+    /// Whether there is anything that a guide could do.
+    pub(super) fn is_guided(&self) -> bool {
+        self.guiding && self.directions == Directions::Scattering && self.branches == 1 && self.bounces > 0
+    }
 }
 
 /// Whether light is scattered or bent between surfaces.
@@ -180,6 +216,8 @@ impl Prepare for PathSettings {
             spectral: Some(self.spectral),
             branches: Some(self.branches),
             caustics: Some(self.caustics),
+            guiding: Some(self.guiding),
+            training: Some(self.training),
             ..Settings::default()
         }
     }
@@ -197,9 +235,11 @@ impl Prepare for PathSettings {
         let walks = self.caustics == Caustics::Manifold && lacks_segments(scene);
         let walks = walks.then_some(WITHOUT_WALKS).into_iter();
         if scene.relativity.is_none() {
-            return walks.collect();
+            let is_idle = self.guiding && (self.directions != Directions::Scattering || self.walks_in(scene));
+            return walks.chain(is_idle.then_some(WITHOUT_GUIDE)).collect();
         }
         let notes = [
+            (self.guiding, "paths between things that move nearly as fast as light are not guided"),
             (
                 !self.spectral,
                 "the Doppler effect makes colours brighter or darker and leaves their hue: with `spectral on` they are shifted",

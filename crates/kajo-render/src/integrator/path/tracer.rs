@@ -4,11 +4,12 @@ mod casters;
 mod caustics;
 mod crossed;
 mod equiangular;
+mod guided;
 mod indirect;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
-use kajo_core::bsdf::{Bsdf, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{LightHit, LightPoint, LightSelection, MAX_LIGHT_GROUPS, Receiver};
 use kajo_core::scene::{Interaction, Scene};
@@ -21,13 +22,13 @@ use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
     DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction,
     advance, choose_light, connect, connect_through_media, follow, follow_phase, leave, light_of_choice,
-    pass_straight, sample_light, shade, survives, survives_in_medium,
+    pass_straight, sample_light, shade, survives, survives_guided, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
 pub use caustics::ThroughGlass;
 use equiangular::Along;
-pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Sampled};
+pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Leaving, Sampled, Worth};
 
 /// A path from the camera, and what the weights of the light that it hits go by.
 #[derive(Clone, Copy)]
@@ -94,7 +95,7 @@ impl<'s> CameraPath<'s> {
         part: Part,
         observer: &mut impl PathObserver,
     ) -> bool {
-        let Shaded { surface, bsdf, local } = at;
+        let Shaded { bsdf, local, .. } = at;
         let state = &mut self.state;
         let (u, choice) = (state.draws.next_2d(), state.draws.number_if(bsdf.is_choosy()));
         let drawn = match (part, settings.directions) {
@@ -105,6 +106,23 @@ impl<'s> CameraPath<'s> {
         };
         let Some(sample) = drawn.filter(|sample| part.holds(sample)) else { return false };
         let Some(wi) = local.to_world(&sample) else { return false };
+        self.go_along(scene, settings, at, (&sample, wi), observer)
+            && survives(&mut self.state, self.bounces, settings.roulette)
+    }
+
+    /// Takes the path along a direction that was drawn, before roulette; `false` when it ends.
+    ///
+    /// * `wi`: the direction in world space
+    #[inline(always)]
+    fn go_along(
+        &mut self,
+        scene: &Scene,
+        settings: &PathSettings,
+        Shaded { surface, local, .. }: Shaded<'_>,
+        (sample, wi): (&BsdfSample, Vec3),
+        observer: &mut impl PathObserver,
+    ) -> bool {
+        let state = &mut self.state;
         let is_free = sample.kind.delta && self.bounces == 0 && self.free_mirrors > 0;
         if is_free {
             self.free_mirrors -= 1;
@@ -115,13 +133,13 @@ impl<'s> CameraPath<'s> {
             return false;
         }
         if state.differential.is_some() {
-            leave(scene, state, surface, wi, &sample);
+            leave(scene, state, surface, wi, sample);
         }
-        follow(state, surface, wi, &sample, observer);
+        follow(state, surface, wi, sample, observer);
         self.receiver = receiver(surface, local);
         self.pdf = sample.pdf;
         self.bounces += u32::from(!is_free);
-        survives(state, self.bounces, settings.roulette)
+        true
     }
 }
 
@@ -299,6 +317,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     ///
     /// * `path`: the path that has ended, which is replaced
     fn take_branch(&mut self, path: &mut CameraPath<'s>) -> bool {
+        if C::GUIDES {
+            return self.take_guided_branch(path);
+        }
         while let Some(fork) = self.forks.last_mut() {
             self.observer.back_to(fork.mark);
             let splits = fork.branches > 1 && fork.taken < fork.branches;
@@ -342,8 +363,18 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         {
             return goes_on;
         }
+        if C::GUIDES {
+            // What light comes through from the other side is left to scattering.
+            match is_delta || bsdf.transmits() {
+                false => self.indirect.comes_to(surface.at.point.p, local.n(), path.state.beta),
+                true => self.indirect.comes_to_unguided(),
+            }
+        }
         if !is_delta && settings.technique != Technique::Scattering {
             self.add_direct_light(path, surface, bsdf, &local);
+        }
+        if C::GUIDES {
+            return self.scatter_guided(path, surface, bsdf, &local);
         }
         let splits = !path.is_branch && settings.branches > 1 && !is_delta;
         if !splits && settings.directions == Directions::Scattering {
@@ -451,6 +482,15 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Adds light that the path has met.
     fn add_hit(&mut self, state: &PathState<'s>, light: Spectrum, group: LightGroup) {
         self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
+        self.add(state, light, group);
+    }
+
+    /// Adds light that a path has found, of a group of lights, to the sample.
+    #[inline(always)]
+    fn add(&mut self, state: &PathState<'s>, light: Spectrum, group: LightGroup) {
+        if C::GUIDES {
+            self.indirect.finds(light);
+        }
         self.estimate.add(state, light, group);
     }
 
@@ -496,7 +536,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
         let media = beyond.as_ref().unwrap_or(&state.media);
         if state.carries_media {
-            let pdf_by_scattering = directions::pdf(settings.directions, bsdf, local.wo, wi);
+            let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, (wi, li.wi));
             let (carried, media) = (state.beta * scattered, *media);
             return self.add_light_through_media(
                 path,
@@ -519,14 +559,25 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         let weight = match settings.technique {
             Technique::Combined if !li.is_delta => {
-                power_heuristic(pdf, directions::pdf(settings.directions, bsdf, local.wo, wi))
+                power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, (wi, li.wi)))
             }
             _ => 1.0,
         };
         let added = carried * li.radiance * visible * (weight / pdf);
         let rgb = || sensor::to_rgb(added, &state.wavelengths);
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
-        self.estimate.add(state, added, scene.lighting.sampler.group(light));
+        self.add(state, added, scene.lighting.sampler.group(light));
+    }
+}
+
+impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
+    /// Density per solid angle with which the path itself would go on in a direction.
+    ///
+    /// * `wi`: local, and in world space
+    #[inline(always)]
+    fn pdf_of_path(&self, bsdf: &Bsdf<'_>, wo: Vec3, (wi, world): (Vec3, Vec3)) -> f32 {
+        let pdf = directions::pdf(self.settings.directions, bsdf, wo, wi);
+        if C::GUIDES { self.indirect.mixed(world, pdf).0 } else { pdf }
     }
 }
 
@@ -580,7 +631,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path.collided = path.along.map(|along| (along, at.length));
         path.pdf = sample.pdf;
         path.bounces += 1;
-        survives_in_medium(&mut path.state, at, path.bounces, settings.roulette)
+        survives_in_medium(&mut path.state, at, path.bounces, settings.roulette, self.gain())
     }
 
     /// Adds the light that media gave on the way: no light is drawn in them.
@@ -647,7 +698,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let added = carried * li.radiance * passage.t * (weight / (pdf * by_light));
         let rgb = || sensor::to_rgb(added, &state.wavelengths);
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
-        self.estimate.add(state, added, scene.lighting.sampler.group(light));
+        self.add(state, added, scene.lighting.sampler.group(light));
     }
 }
 

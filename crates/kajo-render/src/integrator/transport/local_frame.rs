@@ -5,7 +5,7 @@ use kajo_core::shading::Shading;
 use kajo_math::{Frame, Vec3};
 
 /// The shading frame at a surface for a direction back along the path.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct LocalFrame {
     frame: Frame,
     /// Unit direction back along the path, in the frame.
@@ -42,14 +42,14 @@ impl LocalFrame {
     /// A world-space direction in the frame; `None` for one that is on different sides of the surface by the true normal and
     /// by the shading normal, where no light comes from.
     #[inline]
-    pub fn to_local(&self, w: Vec3) -> Option<Vec3> {
+    pub fn to_local(self, w: Vec3) -> Option<Vec3> {
         let local = self.frame.to_local(w);
         self.agrees(w, local).then_some(local)
     }
 
     /// A sampled direction in world space; `None` for one that the true surface hides.
     #[inline]
-    pub fn to_world(&self, sample: &BsdfSample) -> Option<Vec3> {
+    pub fn to_world(self, sample: &BsdfSample) -> Option<Vec3> {
         let wi = self.frame.to_world(sample.wi);
         self.agrees(wi, sample.wi).then_some(wi)
     }

@@ -55,7 +55,7 @@ fn random_scene(i: u32) -> String {
         ],
     );
     // What mirrors send on from emitters that no ray can meet is light that no path from the camera can find.
-    let rough = ["white", "red", "gold", "frosted", "paint", "flint", "dented"];
+    let rough = ["white", "red", "gold", "frosted", "lacquer", "flint", "dented"];
     let all = ["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss", "flint", "dented"];
     let material =
         |k| pick(u(k), if lights.is_empty() || lights.ends_with("angle 60 }") { &all } else { &rough });
@@ -80,6 +80,7 @@ fn random_scene(i: u32) -> String {
             Metal dented {{ roughness 0.6  anisotropy 0.7  normalMap dents.pfm }}
             Glass flint {{ glass N-SF10  roughness 0.2 }}
             Principled paint {{ color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }}
+            Principled lacquer {{ color 0.2 0.5 0.3  coat 0.7  coatRoughness 0.3  roughness 0.5 }}
             Material gloss {{ diffuseColor 0.3 0.2 0.1  specularColor 0.3 0.3 0.3  exponent 20  reflectiveColor 0.2 0.2 0.2 }}
             {bright} }}
          Group {{ MaterialIndex white {ground}  MaterialIndex emitter {light}

@@ -223,6 +223,6 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         };
         let rgb = || sensor::to_rgb(added, &start.wavelengths);
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
-        self.estimate.add(start, added, scene.lighting.sampler.group(light));
+        self.add(start, added, scene.lighting.sampler.group(light));
     }
 }

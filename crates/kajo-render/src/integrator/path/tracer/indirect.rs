@@ -14,7 +14,7 @@
 use kajo_color::{Spectrum, sensor};
 use kajo_core::bsdf::Bsdf;
 use kajo_core::shading::Shading;
-use kajo_math::Vec3;
+use kajo_math::{Vec2, Vec3};
 
 use super::casters::Casters;
 use super::crossed::Crossed;
@@ -77,6 +77,89 @@ pub trait IndirectLight {
     fn counts_lights(&self) -> bool {
         true
     }
+
+    /// Whether directions are drawn with the help of a guide; where not, all of what follows is compiled away.
+    const GUIDES: bool = false;
+
+    /// The path has come to a surface that reflects into more than single directions.
+    ///
+    /// * `n`: unit normal on the side of the path
+    /// * `beta`: what the path carries
+    fn comes_to(&mut self, _p: Vec3, _n: Vec3, _beta: Spectrum) {}
+
+    /// The path has come to a surface at which no direction is guided.
+    fn comes_to_unguided(&mut self) {}
+
+    /// The share of directions that are drawn by scattering where the path is; `None` where no direction is guided.
+    fn share_of_scattering(&self) -> Option<f32> {
+        None
+    }
+
+    /// The density per solid angle with which the path goes on in a direction, and that of the guide.
+    ///
+    /// * `w`: unit direction in world space
+    /// * `by_scattering`: density with which scattering goes there
+    fn mixed(&self, _w: Vec3, by_scattering: f32) -> (f32, f32) {
+        (by_scattering, 0.0)
+    }
+
+    /// A direction of the guide in world space, with its density.
+    ///
+    /// * `u`: uniform in [0, 1)²
+    fn draw(&self, _u: Vec2) -> (Vec3, f32) {
+        (Vec3::Z, 0.0)
+    }
+
+    /// The path goes on from where it has come to.
+    fn leaves(&mut self, _by: &Leaving) {}
+
+    /// The path ends where it has come to: the direction that was drawn is none that light could come from.
+    fn fails(&mut self, _beta: Spectrum) {}
+
+    /// How many times less the path carries than if its directions had been drawn by scattering alone.
+    fn gain(&self) -> f32 {
+        1.0
+    }
+
+    /// What is to be done with the path where it has come to.
+    fn worth(&self) -> Worth {
+        Worth::Unknown
+    }
+
+    /// The path splits where it has come to.
+    fn forks(&mut self) {}
+
+    /// A branch of the last split begins.
+    fn takes_branch(&mut self, _is_last: bool) {}
+
+    /// The path has found light.
+    fn finds(&mut self, _light: Spectrum) {}
+}
+
+/// What is to be done with a path that has come to a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Worth {
+    /// Nothing is known of the light there.
+    Unknown,
+    /// It ends, but with this probability.
+    Survives(f32),
+    /// It goes on as so many branches, or as itself.
+    Splits(u32),
+}
+
+/// A direction in which a path goes on from a surface at which it is guided.
+#[derive(Clone, Copy, Debug)]
+pub struct Leaving {
+    /// Unit direction in world space; none for single directions.
+    pub w: Option<Vec3>,
+    /// Density of the mixture; of a single direction the probability with which scattering was asked.
+    pub p: f32,
+    /// Density of scattering; of a single direction 1.
+    pub p_scattering: f32,
+    /// Density of the guide.
+    pub p_guide: f32,
+    /// What the path carried to the surface.
+    pub beta: Spectrum,
 }
 
 /// Nobody knows: all light is sampled.
