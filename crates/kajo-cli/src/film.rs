@@ -8,13 +8,25 @@ use crate::failure::Failure;
 
 /// Endings of videos, with what ffmpeg is told for them.
 const KINDS: [(&str, &[&str]); 4] = [
-    ("mp4", H264),
-    ("mov", H264),
+    ("mp4", H264_STREAMED),
+    ("mov", H264_STREAMED),
     ("mkv", H264),
     ("webm", &["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-pix_fmt", "yuv420p"]),
 ];
 
 const H264: &[&str] = &["-c:v", "libx264", "-crf", "16", "-preset", "slow", "-pix_fmt", "yuv420p"];
+
+/// The same, with what a player needs first at the beginning of the file.
+const H264_STREAMED: &[&str] =
+    &["-c:v", "libx264", "-crf", "16", "-preset", "slow", "-pix_fmt", "yuv420p", "-movflags", "+faststart"];
+
+/// Sides are even, as the codecs want them. Pictures are sRGB; without a word ffmpeg would make luma and chroma of them by BT.601, which players
+/// take for those of BT.709 where a picture is large.
+const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
+
+/// What the file says of its colours.
+const COLORS: [&str; 8] =
+    ["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"];
 
 /// What joins the pictures.
 const PROGRAM: &str = "ffmpeg";
@@ -102,9 +114,9 @@ impl Film {
         let output = Command::new(PROGRAM)
             .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "concat", "-safe", "0", "-i"])
             .arg(&list)
-            // Colours of the pictures are those of sRGB; sides are even, as the codecs want them.
-            .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-r", &rate])
+            .args(["-vf", FILTER, "-r", &rate])
             .args(self.options)
+            .args(COLORS)
             .arg(&part)
             .stdin(Stdio::null())
             .output()

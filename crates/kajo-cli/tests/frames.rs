@@ -3,8 +3,9 @@
 mod common;
 
 use std::os::unix::fs::PermissionsExt;
+use std::process::Command;
 
-use common::Folder;
+use common::{Folder, picture};
 
 /// A ball that goes round in eight frames, with a light and a camera of their own.
 const ORBIT: &str = "\
@@ -161,4 +162,38 @@ fn a_video_is_made_where_ffmpeg_is() {
         "{}",
         ran.stderr
     );
+}
+
+/// A field of one colour, joined and taken apart again by the ffmpeg of this machine.
+#[test]
+fn a_video_has_the_colours_of_its_frames() {
+    let is_there = Command::new("ffmpeg").arg("-version").output().is_ok_and(|ran| ran.status.success());
+    if !is_there {
+        eprintln!("skipped: ffmpeg is not installed");
+        return;
+    }
+    let folder = folder();
+    folder.write(
+        "flat.txt",
+        "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }
+        Background { color 0.6 0.05 0.3 }
+        Materials { Matte { color 1 1 1 } }
+        Group { MaterialIndex 0 Sphere { center 0 100 0 radius 0.1 } }",
+    );
+    let how = "--integrator path --samples 1 --size 1280 721 --frames 1..3";
+    for name in ["film.mp4", "film.webm"] {
+        folder.succeed(&format!("render flat.txt {how} -o {name}"));
+        folder.succeed(&format!("render flat.txt {how} -o still.#.png"));
+        // As a player does that goes by the words of the file.
+        let taken = Command::new("ffmpeg")
+            .args(["-loglevel", "error", "-i", name, "-vf", "scale=in_color_matrix=auto", "taken.%d.png"])
+            .current_dir(folder.path("."))
+            .status();
+        assert!(taken.is_ok_and(|status| status.success()), "{name}");
+        assert!(folder.path("taken.3.png").exists() && !folder.path("taken.4.png").exists(), "{name}");
+        let [still, taken] = ["still.2.png", "taken.2.png"].map(|png| picture(&folder.path(png)).rgb(9, 9));
+        for (a, b) in still.into_iter().zip(taken) {
+            assert!((a - b).abs() <= 4.0 / 255.0, "{name}: {still:?} {taken:?}");
+        }
+    }
 }
