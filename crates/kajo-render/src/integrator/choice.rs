@@ -125,8 +125,12 @@ fn caustics(scene: &Scene) -> f32 {
     const MOST_MIRRORS: u32 = 8;
     let emission = Emission::new(scene, LIGHT_PATHS, MOST_MIRRORS, false);
     let setup = Setup { seed: 0, threads: 1, memory: u64::MAX, progress: &Silent };
-    let found =
-        emission.emit(0, &Wavelengths::RGB, PhotonRequest { map: Wanted::Caustic, caustics: false }, &setup);
+    let found = emission.emit(
+        0,
+        &Wavelengths::RGB,
+        PhotonRequest { map: Wanted::Caustic, caustics: false, in_media: None },
+        &setup,
+    );
     found.map_or(0.0, |batch| batch.photons.len() as f32 / LIGHT_PATHS as f32)
 }
 

@@ -1,6 +1,6 @@
 //! Photons in a tree.
 //!
-//! A photon is power `Φ` that came to a point of a surface from the direction `wi`. Its position takes 12 bytes, the direction and the
+//! A photon is power `Φ` that came to a point of a surface, or of a medium, from the direction `wi`. Its position takes 12 bytes, the direction and the
 //! number of scatterings before 4, the normal and the axis of its node 2, four lanes of power with one exponent 6. Lanes are rounded
 //! up or down by the number of the photon, in turn, so that sums of many are not off by that.
 //!
@@ -11,6 +11,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::f32::consts::PI;
 use std::thread;
 
 use kajo_color::Spectrum;
@@ -43,11 +44,11 @@ const PROBES: usize = 256;
 pub struct Arrival {
     /// The point.
     pub p: Vec3,
-    /// Unit geometric normal there, outward.
+    /// Unit geometric normal there, outward; in a medium any unit vector.
     pub n: Vec3,
     /// Unit direction that it came from.
     pub wi: Vec3,
-    /// The power that it carries, over the number of paths.
+    /// The power that it carries, over the number of paths; in a medium over the scattering per unit length, too.
     pub power: Spectrum,
     /// How often it was scattered before.
     pub scatterings: u32,
@@ -267,11 +268,34 @@ impl PhotonMap {
         let r = self.largest_radius();
         self.nearest_of(point.p, k, self.most_r2, scratch, |photon| point.takes(photon, r));
         scratch.iter().for_each(|&(_, i)| found(&self.photons[i as usize]));
-        let (share, r2) = match scratch.last() {
+        let (share, r2) = self.reached(k, scratch);
+        if r2 > 0.0 { share / (PI * r2) } else { 0.0 }
+    }
+
+    /// The same of photons in a medium: hands over the `k` nearest and returns the factor that makes a density per volume,
+    ///
+    /// ```text
+    /// (k - 1) / (k 4/3 pi r_k^3)
+    /// ```
+    pub fn nearest_in_ball(
+        &self,
+        p: Vec3,
+        k: usize,
+        scratch: &mut NearestScratch,
+        mut found: impl FnMut(&Photon),
+    ) -> f32 {
+        self.nearest_of(p, k, self.most_r2, scratch, |_| true);
+        scratch.iter().for_each(|&(_, i)| found(&self.photons[i as usize]));
+        let (share, r2) = self.reached(k, scratch);
+        if r2 > 0.0 { share / (4.0 / 3.0 * PI * r2 * r2.sqrt()) } else { 0.0 }
+    }
+
+    /// The factor `(k - 1)/k` where all `k` were found, and the square of the radius that was searched.
+    fn reached(&self, k: usize, scratch: &NearestScratch) -> (f32, f32) {
+        match scratch.last() {
             Some(&(d2, _)) if scratch.len() == k => ((k - 1) as f32 / k as f32, f32::from_bits(d2)),
             _ => (1.0, self.most_r2),
-        };
-        if r2 > 0.0 { share / (std::f32::consts::PI * r2) } else { 0.0 }
+        }
     }
 
     /// Fills `scratch` with the `k` nearest of some photons, nearest first.
@@ -319,6 +343,17 @@ impl<P: Stored> PhotonMap<P> {
         let r2 = r * r;
         self.search(point.p, r2, |_, d2, photon| {
             if d2 <= r2 && point.takes(photon.photon(), r) {
+                found(photon);
+            }
+            r2
+        });
+    }
+
+    /// Hands over the photons of a ball of radius `r`, in an order that depends on the tree and the position alone.
+    pub fn within_ball(&self, p: Vec3, r: f32, mut found: impl FnMut(&P)) {
+        let r2 = r * r;
+        self.search(p, r2, |_, d2, photon| {
+            if d2 <= r2 {
                 found(photon);
             }
             r2

@@ -560,7 +560,7 @@ pub(super) fn light_end<'s>(
 }
 
 /// Whether the air is a medium without end.
-fn is_endless(scene: &Scene) -> bool {
+pub(super) fn is_endless(scene: &Scene) -> bool {
     scene.lighting.air.is_some_and(|air| scene.appearance.media.bounds(air).is_none())
 }
 

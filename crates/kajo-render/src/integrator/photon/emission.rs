@@ -5,19 +5,25 @@
 //! do elsewhere, with the factor for shading normals and with Russian roulette, so that photons of like power remain
 //! [Jensen 2001, 4].
 //!
+//! In a medium it leaves one at each collision that scatters, of the power `beta / sigma_s` over the number of paths: `beta` has the scattering `sigma_s` per unit length in
+//! it, so that these photons are distributed by volume as radiance is, whatever the medium [Jensen and Christensen 1998].
+//!
 //! The numbers of path `i` of map `k` are those of sample `i` of one pixel of a Sobol sequence, so that the photons of a map are spread
 //! evenly over lights, positions and directions.
 
 use kajo_color::Wavelengths;
 use kajo_core::LightGroup;
-use kajo_core::light::{PowerLightSampler, SampledLight};
+use kajo_core::light::{LightLeSample, PowerLightSampler, SampledLight};
 use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
+use kajo_math::Vec3;
 use kajo_math::rng::mix;
 
-use crate::integrator::bidir::{NoMedia, light_end, sample_emitted};
+use crate::integrator::bidir::{
+    NoMedia, Subpath, Vertex, Volume, WithMedia, is_endless, light_end, sample_emitted,
+};
 use crate::integrator::photon_map::{Arrival, Photon, dither};
-use crate::integrator::transport::SurfaceInteraction;
+use crate::integrator::transport::{LaneMis, SurfaceInteraction};
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext};
 use crate::{Setup, SetupError};
@@ -46,6 +52,8 @@ pub struct PhotonRequest {
     pub map: Wanted,
     /// Whether those of caustics are wanted by themselves, too.
     pub caustics: bool,
+    /// Those in media, if any.
+    pub in_media: Option<Wanted>,
 }
 
 /// Sends photons out.
@@ -58,6 +66,8 @@ pub struct Emission<'a> {
     /// How often light may be scattered before it leaves a photon.
     bounces: u32,
     roulette: bool,
+    /// Whether the air is a medium without end, which nothing comes through from infinitely far away.
+    in_endless_air: bool,
 }
 
 /// What was left by some paths.
@@ -67,31 +77,57 @@ pub struct PhotonBatch {
     pub photons: Vec<Photon>,
     /// Of these, or beside them, those of caustics, where they are wanted by themselves.
     pub caustics: Vec<Photon>,
+    /// Those in media.
+    pub in_media: Vec<Photon>,
     /// Rays that were cast.
     pub rays: RayCounters,
 }
 
-impl PhotonBatch {
-    /// Keeps a photon where it is wanted.
-    ///
-    /// * `is_held_up`: whether no connection with a light finds what brought it
-    /// * `is_caustic`: whether it came by mirrors and glass alone
+/// How a photon got to where it is.
+#[derive(Clone, Copy)]
+struct Route {
+    /// Whether no connection with a light finds what brought it.
+    is_held_up: bool,
+    /// Whether it came by mirrors and glass alone.
+    is_caustic: bool,
+}
+
+impl Wanted {
     #[inline]
-    fn keep(&mut self, photon: Photon, wanted: PhotonRequest, is_held_up: bool, is_caustic: bool) {
-        let is_wanted = match wanted.map {
+    fn takes(self, route: Route) -> bool {
+        match self {
             Wanted::All => true,
-            Wanted::Indirect => is_held_up,
-            Wanted::Caustic => is_caustic,
-        };
-        self.photons.extend(is_wanted.then_some(photon));
-        self.caustics.extend((wanted.caustics && is_caustic).then_some(photon));
+            Wanted::Indirect => route.is_held_up,
+            Wanted::Caustic => route.is_caustic,
+        }
+    }
+}
+
+impl PhotonBatch {
+    /// Keeps a photon of a surface where it is wanted.
+    #[inline]
+    fn keep(&mut self, photon: Photon, wanted: PhotonRequest, route: Route) {
+        self.photons.extend(wanted.map.takes(route).then_some(photon));
+        self.caustics.extend((wanted.caustics && route.is_caustic).then_some(photon));
+    }
+
+    fn bytes(&self) -> usize {
+        (self.photons.len() + self.caustics.len() + self.in_media.len()) * size_of::<Photon>()
     }
 }
 
 impl<'a> Emission<'a> {
     pub fn new(scene: &'a Scene, paths: u32, bounces: u32, roulette: bool) -> Emission<'a> {
         let sampler = Sampler::new(SamplerKind::Sobol, paths);
-        Emission { scene, power_sampler: scene.power_light_sampler(), sampler, paths, bounces, roulette }
+        Emission {
+            scene,
+            power_sampler: scene.power_light_sampler(),
+            sampler,
+            paths,
+            bounces,
+            roulette,
+            in_endless_air: is_endless(scene),
+        }
     }
 
     /// Whether any light has power.
@@ -114,9 +150,15 @@ impl<'a> Emission<'a> {
             let begin = task * PATHS_A_TASK;
             let end = begin.saturating_add(PATHS_A_TASK).min(self.paths);
             let mut batch = PhotonBatch::default();
-            (begin..end).for_each(|i| self.emit_path(k, i, setup.seed, wavelengths, wanted, &mut batch));
+            let key = (k, setup.seed);
+            match self.scene.has_media() {
+                false => (begin..end)
+                    .for_each(|i| self.emit_path::<NoMedia>(key, i, wavelengths, wanted, &mut batch)),
+                true => (begin..end)
+                    .for_each(|i| self.emit_path::<WithMedia<'_>>(key, i, wavelengths, wanted, &mut batch)),
+            }
             // All of them are copied once.
-            let bytes = 2 * (batch.photons.len() + batch.caustics.len()) * size_of::<Photon>();
+            let bytes = 2 * batch.bytes();
             (batch, bytes as u64)
         };
         let too_many = || self.too_many(setup.memory);
@@ -126,6 +168,7 @@ impl<'a> Emission<'a> {
         for task in tasks {
             all.photons.extend(task.photons);
             all.caustics.extend(task.caustics);
+            all.in_media.extend(task.in_media);
             all.rays += task.rays;
         }
         Ok(all)
@@ -139,49 +182,53 @@ impl<'a> Emission<'a> {
         ))
     }
 
-    /// Follows path `i` of map `k`.
-    fn emit_path(
-        &self,
-        k: u32,
+    /// Follows path `i` of a map.
+    ///
+    /// * `key`: the number of the map, and the seed
+    fn emit_path<'v, V: Volume<'v>>(
+        &'v self,
+        (k, seed): (u32, u64),
         i: u32,
-        seed: u64,
         wavelengths: &Wavelengths,
         wanted: PhotonRequest,
         batch: &mut PhotonBatch,
     ) {
         let scene = self.scene;
         let mut counting = Counting::new(&SampleContext::new(&self.sampler, 0));
-        let mut draws = SampleStream::new(&self.sampler, mix(seed ^ SALT), [k, 0], i);
-        let time = draws.number_if(scene.moves());
-        let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);
-        let Some((SampledLight { probability, .. }, emitted)) = drawn else { return };
-        let mut path = light_end(scene, &emitted, time, probability, wavelengths, draws);
+        let Some((mut path, emitted)) = self.begin::<V>((k, seed), i, wavelengths) else { return };
         counting.counters().light += 1;
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
-        // Whether nothing but mirrors and glass was met, and whether anything stands between a surface and the light.
+        // Whether nothing but mirrors and glass was met, and whether anything stands between a vertex and the light.
         let (mut is_clear, mut is_held_up) = (true, false);
         let mut stored = 0;
-        while let Some((bsdf, _)) =
-            path.next_from_light::<NoMedia>(scene, &emitted, &mut surface, &mut first, &mut counting)
+        while let Some((bsdf, collision)) =
+            path.next_from_light::<V>(scene, &emitted, &mut surface, &mut first, &mut counting)
         {
             is_held_up |= !path.state.connectable;
-            let vertex = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
-            if !bsdf.is_delta() {
-                let is_caustic = is_clear && is_held_up;
-                let arrival = Arrival {
-                    p: vertex.at.p,
-                    n: vertex.at.ng,
-                    wi: vertex.wo,
-                    power: path.state.beta * (1.0 / self.paths as f32),
-                    scatterings: path.state.scatterings,
-                    secondary_terminated: vertex.secondary_terminated,
-                };
-                let photon = Photon::new(&arrival, dither(i, stored));
-                stored += 1;
-                batch.keep(photon, wanted, is_held_up, is_caustic);
+            let route = Route { is_held_up, is_caustic: is_clear && is_held_up };
+            let vertex = match &collision {
+                None => path.vertex::<V>(scene, &surface, bsdf, LightGroup::default()),
+                Some(at) => path.vertex_in_medium::<V>(scene, at, LightGroup::default()),
+            };
+            match &collision {
+                None if !bsdf.is_delta() => {
+                    batch.keep(Photon::new(&self.arrival(&path, &vertex), dither(i, stored)), wanted, route);
+                    stored += 1;
+                }
+                // Paths from the camera go on through bodies that scatter light many times.
+                Some(at) if !at.is_subsurface => {
+                    if wanted.in_media.is_some_and(|wanted| wanted.takes(route)) {
+                        let arrival = self.arrival_in_medium(&path, &vertex);
+                        batch.in_media.push(Photon::new(&arrival, dither(i, stored)));
+                    }
+                    stored += 1;
+                }
+                _ => {}
             }
             let is_last = path.state.scatterings >= self.bounces;
-            if is_last || !path.scatter(&vertex, &surface, self.roulette, &mut counting) {
+            if is_last
+                || !path.scatter_at(&vertex, &surface, collision.as_ref(), self.roulette, &mut counting)
+            {
                 break;
             }
             // The light itself is one way to be found, but not from behind what scatters it.
@@ -192,5 +239,47 @@ impl<'a> Emission<'a> {
             }
         }
         batch.rays += counting.rays;
+    }
+
+    /// The beginning of path `i` of a map, and the light that it begins with; `None` where it has none.
+    fn begin<'v, V: Volume<'v>>(
+        &self,
+        (k, seed): (u32, u64),
+        i: u32,
+        wavelengths: &Wavelengths,
+    ) -> Option<(Subpath<'_>, LightLeSample)> {
+        let scene = self.scene;
+        let mut draws = SampleStream::new(&self.sampler, mix(seed ^ SALT), [k, 0], i);
+        let time = draws.number_if(scene.moves());
+        let hero = if V::HAS_MEDIA { LaneMis::new(wavelengths, draws.next_1d()).hero } else { 0 };
+        let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);
+        let (SampledLight { probability, .. }, emitted) = drawn?;
+        if V::HAS_MEDIA && self.in_endless_air && emitted.at.is_infinite() {
+            return None;
+        }
+        let mut path = light_end(scene, &emitted, time, probability, wavelengths, draws);
+        if V::HAS_MEDIA {
+            path.state.carry_media(hero);
+        }
+        Some((path, emitted))
+    }
+
+    /// What comes to a vertex on a surface.
+    fn arrival<'v, V: Volume<'v>>(&self, path: &Subpath<'_>, vertex: &Vertex<'v, V>) -> Arrival {
+        Arrival {
+            p: vertex.at.p,
+            n: vertex.at.ng,
+            wi: vertex.wo,
+            power: path.state.beta * (1.0 / self.paths as f32),
+            scatterings: path.state.scatterings,
+            secondary_terminated: vertex.secondary_terminated,
+        }
+    }
+
+    /// What comes to a vertex in a medium.
+    fn arrival_in_medium<'v, V: Volume<'v>>(&self, path: &Subpath<'_>, vertex: &Vertex<'v, V>) -> Arrival {
+        let arrival = self.arrival(path, vertex);
+        let sigma_s = path.state.media.scattering(self.scene, vertex.at.p, &path.state.wavelengths);
+        Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival }
     }
 }

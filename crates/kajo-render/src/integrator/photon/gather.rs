@@ -11,8 +11,19 @@
 //! The second one is unbiased where the density is the same all around [Loftsgaarden and Quesenberry 1965]; the first one is what progressive photon mapping
 //! sums, with the radius of its pass. The measure is area on the true surface, so `f |cos|` is divided by the cosine of the geometric normal.
 //!
+//! In a medium photons are distributed by volume, and the radiance that a phase function scatters is estimated in a ball [Jensen and Christensen 1998, eq. 9],
+//!
+//! ```text
+//! L = beta / (4/3 pi r^3)  sum over |x_j - x| < r  of  p(wo, wi_j) Φ_j / sigma_s(x_j)
+//! ```
+//!
+//! with the scattering `sigma_s` per unit length, which `beta` and `Φ_j` both have in them. Bodies in which light is scattered many times before it leaves
+//! are finer than any ball; through them paths go on.
+//!
 //! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid angle, with the power heuristic;
 //! light of one kind is taken either from a map or from these.
+
+use std::f32::consts::PI;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
@@ -20,15 +31,16 @@ use kajo_core::bsdf::Bsdf;
 use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
-use kajo_math::Vec3;
+use kajo_math::{Ray, Vec3};
 
 use super::{Maps, NEIGHBOURS, Photons};
-use crate::integrator::bidir::{NoMedia, Subpath, Vertex, shade_one_way};
+use crate::integrator::bidir::{Subpath, Vertex, Volume, shade_one_way};
 use crate::integrator::camera_view::RayFootprint;
 use crate::integrator::path::power_heuristic;
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
-    DrawnLight, Event, PathState, SurfaceInteraction, advance, connect, pass_straight, sample_light,
+    DrawnLight, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance, connect,
+    connect_through_media, pass_straight, sample_light,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -39,8 +51,10 @@ pub struct Gatherer<'a, O> {
     footprint: RayFootprint,
     /// Light as the sensor sees it, linear RGB.
     pub radiance: [f32; 3],
-    /// The first surface.
+    /// The first surface; the default where the path meets a medium before.
     pub first: Option<Interaction>,
+    /// Whether it does.
+    pub begins_in_medium: bool,
     /// The albedo of the first surface that is no mirror.
     pub albedo: Option<Spectrum>,
     /// Scratch memory of searches.
@@ -70,6 +84,13 @@ enum Role {
     Direct,
 }
 
+impl Role {
+    /// Whether the path goes on by all that scatters light there.
+    fn goes_on(self) -> bool {
+        matches!(self, Role::DirectAndCaustics | Role::Direct)
+    }
+}
+
 impl<'a, O: PathObserver> Gatherer<'a, O> {
     pub fn new(
         photons: &'a Photons<'a>,
@@ -77,8 +98,16 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         footprint: RayFootprint,
         scratch: NearestScratch,
     ) -> Self {
-        let (radiance, first, albedo) = ([0.0; 3], None, None);
-        Gatherer { photons, observer, footprint, radiance, first, albedo, scratch }
+        Gatherer {
+            photons,
+            observer,
+            footprint,
+            radiance: [0.0; 3],
+            first: None,
+            begins_in_medium: false,
+            albedo: None,
+            scratch,
+        }
     }
 
     fn scene(&self) -> &'a Scene {
@@ -86,26 +115,38 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// Follows a path to its end.
-    pub fn run(&mut self, mut path: Subpath<'_>) {
+    pub fn run<V: Volume<'a>>(&mut self, mut path: Subpath<'_>) {
         let (scene, bounces) = (self.scene(), self.photons.settings.bounces);
         let mut surface = SurfaceInteraction::default();
         let mut from: Option<From> = None;
         let mut length = 0.0;
         loop {
-            match advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer) {
+            let event = advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer);
+            if V::HAS_MEDIA {
+                self.add_medium_emission(&mut path.state);
+            }
+            let is_last = path.state.scatterings > bounces;
+            match event {
                 Event::Surface => {}
                 Event::Escaped(d) => return self.add_background(&path.state, d, from.as_ref()),
+                Event::Medium(at) if V::HAS_MEDIA => {
+                    length += at.length;
+                    let goes_on = !is_last && self.scatter_in_medium::<V>(&mut path, &at, length, &mut from);
+                    if !goes_on {
+                        return;
+                    }
+                    continue;
+                }
                 Event::Medium(_) | Event::Absorbed => return,
             }
             length += surface.length;
             self.add_emission(&path.state, &surface, from.as_ref());
-            let is_last = path.state.scatterings > bounces;
             if is_last && !scene.appearance.has_passages {
                 return;
             }
             let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
             if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
-                if path.state.scatterings == 0 && matches!(bsdf, Bsdf::Null) {
+                if path.state.scatterings == 0 && matches!(bsdf, Bsdf::Null) && !self.begins_in_medium {
                     self.first = None;
                 }
                 continue;
@@ -113,7 +154,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             if is_last {
                 return;
             }
-            let z = path.vertex::<NoMedia>(scene, &surface, bsdf, LightGroup::default());
+            let z = path.vertex::<V>(scene, &surface, bsdf, LightGroup::default());
             if !self.scatter(&mut path, &z, &surface, length, &mut from) {
                 return;
             }
@@ -121,10 +162,10 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// Adds the light of a vertex and goes on from it; `false` when the path ends there.
-    fn scatter(
+    fn scatter<V: Volume<'a>>(
         &mut self,
         path: &mut Subpath<'_>,
-        z: &Vertex<'_>,
+        z: &Vertex<'a, V>,
         surface: &SurfaceInteraction,
         length: f32,
         from: &mut Option<From>,
@@ -137,15 +178,14 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             self.albedo = Some(z.bsdf.albedo(z.local(z.wo).wo));
         }
         let role = self.role(z, surface.length, from.as_ref());
-        let goes_on = matches!(role, Role::DirectAndCaustics | Role::Direct);
         if role != Role::FromMap {
-            self.add_direct_light(&mut path.state, z, goes_on);
+            self.add_direct_light(&mut path.state, z, role.goes_on());
         }
         let photons = self.photons;
         match (&photons.maps, role) {
             (_, Role::Direct) => {}
-            (Maps::Progressive { indirect, radius }, _) => {
-                self.add_disk(&path.state, z, indirect, radius.at(self.footprint.at(length)));
+            (Maps::Progressive { indirect, radius, .. }, _) => {
+                self.add_disk(&path.state, z, indirect, radius.of_disk(self.footprint.at(length)));
             }
             (Maps::Fixed { caustics, .. }, Role::DirectAndCaustics) => {
                 self.add_nearest(&path.state, z, caustics)
@@ -161,13 +201,64 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             let has_caustics = role == Role::DirectAndCaustics;
             *from = Some(From { receiver, pdf: path.last.pdf, has_caustics });
         }
-        goes_on || is_mirrored
+        role.goes_on() || is_mirrored
+    }
+
+    /// The same in a medium.
+    #[inline(never)]
+    fn scatter_in_medium<V: Volume<'a>>(
+        &mut self,
+        path: &mut Subpath<'_>,
+        at: &MediumInteraction<'a>,
+        length: f32,
+        from: &mut Option<From>,
+    ) -> bool {
+        if self.first.is_none() {
+            self.first = Some(Interaction::default());
+            self.begins_in_medium = true;
+        }
+        let photons = self.photons;
+        let z = path.vertex_in_medium::<V>(self.scene(), at, LightGroup::default());
+        let role = match &photons.maps {
+            _ if at.is_subsurface => Role::Direct,
+            Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::FromMap,
+            Maps::Fixed { usage: PhotonMapUse::Caustics, .. } => Role::DirectAndCaustics,
+            Maps::Fixed { usage: PhotonMapUse::Gather, .. } | Maps::Progressive { .. } => Role::DirectAndMap,
+        };
+        if role != Role::FromMap {
+            self.add_direct_light(&mut path.state, &z, role.goes_on());
+        }
+        match &photons.maps {
+            _ if role == Role::Direct => {}
+            Maps::Progressive { in_media, radius, .. } => {
+                self.add_ball(&path.state, &z, in_media, radius.of_ball(self.footprint.at(length)));
+            }
+            Maps::Fixed { in_media, .. } => self.add_nearest_in_ball(&path.state, &z, in_media),
+        }
+        if !role.goes_on() {
+            return false;
+        }
+        let receiver = z.receiver(at.time);
+        if !path.scatter_in_medium(&z, at, photons.settings.roulette, self.observer) {
+            return false;
+        }
+        *from = Some(From { receiver, pdf: path.last.pdf, has_caustics: role == Role::DirectAndCaustics });
+        true
+    }
+
+    /// Adds the light that media gave on the way: no light is drawn in them, and no photon comes from there.
+    fn add_medium_emission(&mut self, state: &mut PathState<'_>) {
+        let emitted = std::mem::take(&mut state.emitted);
+        if !emitted.is_black() {
+            self.observer.found(|| sensor::to_rgb(emitted, &state.wavelengths));
+            self.add(emitted, &state.wavelengths);
+        }
     }
 
     /// What becomes of light at a vertex that is no mirror.
     ///
     /// * `length`: of the last segment
-    fn role(&self, z: &Vertex<'_>, length: f32, from: Option<&From>) -> Role {
+    fn role<V: Volume<'a>>(&self, z: &Vertex<'a, V>, length: f32, from: Option<&From>) -> Role {
         match &self.photons.maps {
             Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::FromMap,
             _ if !z.bsdf.is_broad() => Role::Direct,
@@ -189,21 +280,44 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// The photons of a disk of radius `r`: `beta / (pi r^2) sum f Φ` [Jensen 2001, eq. 7.6].
-    fn add_disk(&mut self, state: &PathState<'_>, z: &Vertex<'_>, map: &PhotonMap, r: f32) {
+    fn add_disk<V: Volume<'a>>(&mut self, state: &PathState<'_>, z: &Vertex<'a, V>, map: &PhotonMap, r: f32) {
         let mut sums = Sums::new(self.most_scatterings(state));
         map.within(&gather_point(z), r, |photon| sums.add(z, photon));
         // [Jensen 2001, eq. 7.6]
-        self.add_sums(state, sums, (std::f32::consts::PI * r * r).recip());
+        self.add_sums(state, sums, (PI * r * r).recip());
     }
 
     /// The `k` nearest photons: `beta (k - 1) / (k pi r_k^2) sum f Φ`.
-    fn add_nearest(&mut self, state: &PathState<'_>, z: &Vertex<'_>, map: &PhotonMap) {
+    fn add_nearest<V: Volume<'a>>(&mut self, state: &PathState<'_>, z: &Vertex<'a, V>, map: &PhotonMap) {
         if map.is_empty() {
             return;
         }
         let mut sums = Sums::new(self.most_scatterings(state));
         let density =
             map.nearest(&gather_point(z), NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
+        self.add_sums(state, sums, density);
+    }
+
+    /// The photons of a ball of radius `r`: `beta / (4/3 pi r^3) sum p Φ / sigma_s` [Jensen and Christensen 1998, eq. 9].
+    fn add_ball<V: Volume<'a>>(&mut self, state: &PathState<'_>, z: &Vertex<'a, V>, map: &PhotonMap, r: f32) {
+        let mut sums = Sums::new(self.most_scatterings(state));
+        map.within_ball(z.at.p, r, |photon| sums.add(z, photon));
+        self.add_sums(state, sums, (4.0 / 3.0 * PI * r * r * r).recip());
+    }
+
+    /// The `k` nearest photons: `beta (k - 1) / (k 4/3 pi r_k^3) sum p Φ / sigma_s`.
+    fn add_nearest_in_ball<V: Volume<'a>>(
+        &mut self,
+        state: &PathState<'_>,
+        z: &Vertex<'a, V>,
+        map: &PhotonMap,
+    ) {
+        if map.is_empty() {
+            return;
+        }
+        let mut sums = Sums::new(self.most_scatterings(state));
+        let density =
+            map.nearest_in_ball(z.at.p, NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
         self.add_sums(state, sums, density);
     }
 
@@ -241,7 +355,10 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             None => 1.0,
             Some(from) if state.connectable => {
                 let choice = self.photons.settings.light_choice;
-                power_heuristic(from.pdf, self.scene().pdf_li(hit.light, &from.receiver, at, d, choice))
+                let pdf_li = self.scene().pdf_li(hit.light, &from.receiver, at, d, choice);
+                // The mean of `r_u` is 1.
+                let by_light = if state.carries_media { state.mean(state.lanes.r_l) } else { 1.0 };
+                power_heuristic(from.pdf, pdf_li * by_light)
             }
             // By way of mirrors: a caustic.
             Some(from) => f32::from(u8::from(!from.has_caustics)),
@@ -274,7 +391,12 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// angle, is `f |cos| T V Le w / q` with the weight `w = q^2 / (p^2 + q^2)` [Veach 1997, eq. 9.15].
     ///
     /// * `may_meet`: whether the path goes on and may meet the light, so that both count by the power heuristic
-    fn add_direct_light(&mut self, state: &mut PathState<'_>, z: &Vertex<'_>, may_meet: bool) {
+    fn add_direct_light<V: Volume<'a>>(
+        &mut self,
+        state: &mut PathState<'_>,
+        z: &Vertex<'a, V>,
+        may_meet: bool,
+    ) {
         let scene = self.scene();
         let time = state.ray.time;
         let choice = self.photons.settings.light_choice;
@@ -286,10 +408,12 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let segment = z.at.ray_to(&at, wi, time);
         let carried = state.beta * scattered;
-        let visible = connect(scene, &segment, z.eta(wi), &state.wavelengths, self.observer);
-        let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
-        let weight = if may_meet && !is_delta { power_heuristic(pdf, z.pdf(z.wo, wi)) } else { 1.0 };
-        let found = carried * radiance * z.transmittance(wi, distance) * visible * (weight / pdf);
+        let Share { within, visible, by_light, by_scattering } = self.share(state, z, &segment, wi, &at);
+        let weight = match may_meet && !is_delta {
+            true => power_heuristic(pdf * by_light, z.pdf(z.wo, wi) * by_scattering),
+            false => 1.0,
+        };
+        let found = carried * radiance * within * visible * (weight / (pdf * by_light));
         let about = || About {
             eta: z.eta(wi).unwrap_or(1.0),
             weight: sensor::to_rgb(carried, &state.wavelengths),
@@ -301,9 +425,43 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             self.add(found, &state.wavelengths);
         }
     }
+
+    /// What of the light of a light comes along a segment from a vertex.
+    fn share<V: Volume<'a>>(
+        &mut self,
+        state: &mut PathState<'_>,
+        z: &Vertex<'a, V>,
+        segment: &Ray,
+        wi: Vec3,
+        end: &LightPoint,
+    ) -> Share {
+        let scene = self.scene();
+        if let Some(volume) = z.volume.with_media() {
+            let media = volume.media[z.side(wi)];
+            let passage = connect_through_media(scene, segment, media, Joining::from(state), self.observer);
+            let [by_light, by_scattering] = [passage.r_l, passage.r_u].map(|r| state.mean(r));
+            let within = if by_light > 0.0 { passage.t } else { Spectrum::BLACK };
+            let visible = if within.is_black() { Spectrum::BLACK } else { Spectrum::WHITE };
+            return Share { within, visible, by_light: by_light.max(f32::MIN_POSITIVE), by_scattering };
+        }
+        let visible = connect(scene, segment, z.eta(wi), &state.wavelengths, self.observer);
+        let distance = if end.is_infinite() { f32::INFINITY } else { end.p().distance(z.at.p) };
+        Share { within: z.transmittance(wi, distance), visible, by_light: 1.0, by_scattering: 1.0 }
+    }
 }
 
-fn gather_point(z: &Vertex<'_>) -> GatherPoint {
+/// What comes along a segment that joins a vertex and a light.
+struct Share {
+    /// What the media leave.
+    within: Spectrum,
+    /// What holes and panes leave.
+    visible: Spectrum,
+    /// Densities of what was drawn along the way by this connection and by free paths, means over the lanes.
+    by_light: f32,
+    by_scattering: f32,
+}
+
+fn gather_point<'v, V: Volume<'v>>(z: &Vertex<'v, V>) -> GatherPoint {
     GatherPoint { p: z.at.p, n: z.at.ng }
 }
 
@@ -321,7 +479,7 @@ impl Sums {
     }
 
     /// `f Φ`, with the factor for shading normals of light that comes from a light [Veach 1997, 5.3.2].
-    fn add(&mut self, z: &Vertex<'_>, photon: &Photon) {
+    fn add<'v, V: Volume<'v>>(&mut self, z: &Vertex<'v, V>, photon: &Photon) {
         if !photon.is_within(self.most_scatterings) {
             return;
         }

@@ -36,6 +36,9 @@
 //! ```
 //!
 //! so that the bias vanishes as `i^(a - 1)` and the variance of the mean still does as `i^-a`. No pass needs what another found.
+//!
+//! In participating media photons are left at collisions, and their light is estimated from those of a small ball [Jensen and Christensen 1998], whose
+//! volume shrinks as the area of the disks does. Paths from the camera end at their first collision, and all but direct light comes from the photons there.
 
 pub(super) mod emission;
 mod gather;
@@ -47,13 +50,14 @@ use kajo_core::camera::Camera;
 use kajo_core::light::BoundingSphere;
 use kajo_core::scene::Scene;
 use kajo_core::settings::PhotonMapUse;
-use kajo_math::Vec2;
+use kajo_math::{Vec2, fmath};
 
+use super::Integrator;
+use super::bidir::{NoMedia, Subpath, WithMedia};
 use super::camera_view::{CameraView, in_white_light};
 use super::path::{Path, PathSettings};
 use super::photon_map::{NearestScratch, PhotonMap};
-use super::transport::PathState;
-use super::{Integrator, bidir::Subpath};
+use super::transport::{LaneMis, PathState};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{Setup, SetupError, WithState};
@@ -92,14 +96,21 @@ pub struct Photons<'a> {
 /// The maps, and how they are looked at.
 enum Maps {
     /// The nearest photons: all, and those of caustics.
-    Fixed { usage: PhotonMapUse, all: PhotonMap, caustics: PhotonMap },
-    /// Those in a disk.
-    Progressive { indirect: PhotonMap, radius: Radius },
+    Fixed { usage: PhotonMapUse, all: PhotonMap, caustics: PhotonMap, in_media: PhotonMap },
+    /// Those in a disk or a ball.
+    Progressive { indirect: PhotonMap, in_media: PhotonMap, radius: Radius },
 }
 
-/// The radius of the disks of a pass.
+/// The radii of the disks and balls of a pass.
 #[derive(Clone, Copy, Debug)]
 struct Radius {
+    disk: RadiusOfPass,
+    ball: RadiusOfPass,
+}
+
+/// What is left of a radius in a pass.
+#[derive(Clone, Copy, Debug)]
+struct RadiusOfPass {
     /// What the first one is at least and, if pixels are larger, at most.
     bounds: [f32; 2],
     /// What is left of it in this pass.
@@ -109,14 +120,37 @@ struct Radius {
 impl Radius {
     /// * `paths`: that photons of a pass are left by; `world`: around the scene
     fn of_pass(k: u32, paths: u32, world: &BoundingSphere) -> Radius {
-        // Spread evenly over the sphere around the scene, about one photon would lie in the smallest disk.
-        let least = world.radius * (4.0 / paths as f32).sqrt();
-        // r_{k+1} / r_1: the root of the product of all ratios [Knaus and Zwicker 2011, eq. 19].
+        // What is left of the area of disks and of the volume of balls alike: the product of all ratios
+        // [Knaus and Zwicker 2011, eq. 19 and 5].
         let share: f64 = (1..=k).map(|i| (f64::from(i) + ALPHA) / (f64::from(i) + 1.0)).product();
-        Radius { bounds: [least, least.max(0.01 * world.radius)], share: share.sqrt() as f32 }
+        let pass = |least: f32, share: f64| RadiusOfPass {
+            bounds: [least, least.max(0.01 * world.radius)],
+            share: share as f32,
+        };
+        // Spread evenly over the sphere around the scene, or within it, about one photon would lie in the smallest one.
+        Radius {
+            disk: pass(world.radius * (4.0 / paths as f32).sqrt(), share.sqrt()),
+            ball: pass(world.radius * cbrt(1.0 / f64::from(paths)) as f32, cbrt(share)),
+        }
     }
 
     /// * `pixel`: size of a pixel at the surface
+    fn of_disk(&self, pixel: f32) -> f32 {
+        self.disk.at(pixel)
+    }
+
+    /// * `pixel`: size of a pixel at the point
+    fn of_ball(&self, pixel: f32) -> f32 {
+        self.ball.at(pixel)
+    }
+}
+
+/// The cube root of a positive number.
+fn cbrt(x: f64) -> f64 {
+    fmath::exp64(fmath::ln64(x) / 3.0)
+}
+
+impl RadiusOfPass {
     fn at(&self, pixel: f32) -> f32 {
         let [least, most] = self.bounds;
         self.share * (FIRST_RADIUS * pixel).clamp(least, most)
@@ -160,12 +194,14 @@ impl<'a> PhotonMapping<'a> {
     ) -> Result<(Maps, crate::RayCounters, Vec<String>), SetupError> {
         let PhotonSettings { bounces, photons, usage, roulette, .. } = self.settings;
         let emission = Emission::new(self.view.scene, photons, bounces, roulette);
-        let wanted = match usage {
-            None => Wanted::Indirect,
-            Some(PhotonMapUse::Direct | PhotonMapUse::Gather) => Wanted::All,
-            Some(PhotonMapUse::Caustics) => Wanted::Caustic,
+        let [map, in_media] = match usage {
+            None => [Wanted::Indirect; 2],
+            Some(PhotonMapUse::Direct) => [Wanted::All; 2],
+            Some(PhotonMapUse::Gather) => [Wanted::All, Wanted::Indirect],
+            Some(PhotonMapUse::Caustics) => [Wanted::Caustic; 2],
         };
-        let wanted = PhotonRequest { map: wanted, caustics: usage == Some(PhotonMapUse::Gather) };
+        let caustics = usage == Some(PhotonMapUse::Gather);
+        let wanted = PhotonRequest { map, caustics, in_media: Some(in_media) };
         let has_light = emission.has_light();
         let batch = if has_light {
             emission.emit(k, wavelengths, wanted, setup)?
@@ -175,7 +211,10 @@ impl<'a> PhotonMapping<'a> {
         let mut notes = Vec::new();
         if !has_light && k == 0 {
             notes.push("there is no light in the scene that photons could leave".to_owned());
-        } else if usage == Some(PhotonMapUse::Caustics) && batch.photons.is_empty() {
+        } else if usage == Some(PhotonMapUse::Caustics)
+            && batch.photons.is_empty()
+            && batch.in_media.is_empty()
+        {
             notes.push(
                 "no photon came to a surface by way of mirrors or glass, so there are no caustics; \
                  `integrator path` finds the same picture sooner"
@@ -187,15 +226,16 @@ impl<'a> PhotonMapping<'a> {
             None => {
                 let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
                 let radius = Radius::of_pass(k, photons, &world);
-                Maps::Progressive { indirect: map(batch.photons), radius }
+                Maps::Progressive { indirect: map(batch.photons), in_media: map(batch.in_media), radius }
             }
             Some(usage) => {
                 let [all, caustics] = match usage {
                     PhotonMapUse::Caustics => [Vec::new(), batch.photons],
                     _ => [batch.photons, batch.caustics],
                 };
-                let [all, caustics] = [all, caustics].map(|photons| map(photons).for_nearest(NEIGHBOURS));
-                Maps::Fixed { usage, all, caustics }
+                let [all, caustics, in_media] =
+                    [all, caustics, batch.in_media].map(|photons| map(photons).for_nearest(NEIGHBOURS));
+                Maps::Fixed { usage, all, caustics, in_media }
             }
         };
         Ok((maps, batch.rays, notes))
@@ -242,17 +282,24 @@ impl Integrator for Photons<'_> {
         draws.skip(1);
         let wavelengths = self.wavelengths;
         let media = view.media_around(&ray, &wavelengths);
-        let state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
+        let mut state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         observer.counters().camera += 1;
         let footprint = view.footprint(&ray, raster, start).unwrap_or_default();
         let scratch = std::mem::take(ctx.scratch.get::<NearestScratch>());
         let mut gatherer = Gatherer::new(self, observer, footprint, scratch);
-        gatherer.run(Subpath::from_camera(PathState { connectable: true, ..state }));
-        let Gatherer { radiance, first, albedo, scratch, .. } = gatherer;
+        if view.scene.has_media() {
+            let u = state.draws.next_1d();
+            state.carry_media(LaneMis::new(&wavelengths, u).hero);
+            gatherer.run::<WithMedia<'_>>(Subpath::from_camera(PathState { connectable: true, ..state }));
+        } else {
+            gatherer.run::<NoMedia>(Subpath::from_camera(PathState { connectable: true, ..state }));
+        }
+        let Gatherer { radiance, first, begins_in_medium, albedo, scratch, .. } = gatherer;
         *ctx.scratch.get::<NearestScratch>() = scratch;
         if view.wants_albedo() {
             ctx.aux.albedo = in_white_light(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
         }
+        let first = first.filter(|_| !begins_in_medium);
         PixelSample { radiance, first: first.map(|at| view.first_hit(&at, &mut ctx.aux)) }
     }
 }

@@ -7,7 +7,7 @@ use kajo_core::settings::{IntegratorName, PhotonMapUse, Settings, SettingsKey};
 
 use super::PhotonMapping;
 use crate::integrator::{
-    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, without_media,
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
 };
 use crate::{LayerSet, PixelIntegrator};
 
@@ -56,7 +56,7 @@ pub const PHOTON: IntegratorSpec = IntegratorSpec {
         SettingsKey::Roulette,
     ],
     settings: |context| {
-        let default = PhotonSettings::default();
+        let default = default_in(context);
         let usage = context.said.photon_map.unwrap_or_default();
         IntegratorSettings::Photon(PhotonSettings {
             usage: Some(usage),
@@ -78,11 +78,17 @@ pub const SPPM: IntegratorSpec = IntegratorSpec {
         SettingsKey::Spectral,
     ],
     settings: |context| {
-        let default = PhotonSettings { photons: 100_000, usage: None, ..PhotonSettings::default() };
+        let default = PhotonSettings { photons: 100_000, usage: None, ..default_in(context) };
         IntegratorSettings::Photon(said(context, default))
     },
     ..PHOTON
 };
+
+/// What holds in a scene where nothing is said.
+fn default_in(context: &SettingsContext<'_>) -> PhotonSettings {
+    let default = PhotonSettings::default();
+    PhotonSettings { bounces: bounces_from_both_ends(context.scene, default.bounces), ..default }
+}
 
 /// What is said for the keys that both of them listen to, and `default` where nothing is.
 fn said(context: &SettingsContext<'_>, default: PhotonSettings) -> PhotonSettings {
@@ -125,7 +131,6 @@ impl Prepare for PhotonSettings {
             (scene.moves(), "photons of all moments light what moves, so their light is blurred"),
             (scene.lighting.groups.len() > 1, "photon maps do not tell groups of lights apart"),
         ];
-        let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
-        notes.chain(without_media(scene)).collect()
+        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
     }
 }

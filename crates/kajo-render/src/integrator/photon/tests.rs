@@ -115,7 +115,12 @@ fn the_power_of_lights_is_kept() {
     let scene = scene(&format!("{} {lights} {room}", camera([0.0, 0.0, 1.0], [0.0, 0.0, 0.0], 30.0)));
     let emission = Emission::new(&scene, 50_000, 3, true);
     let batch = emission
-        .emit(0, &Wavelengths::RGB, PhotonRequest { map: Wanted::All, caustics: true }, &setup(3))
+        .emit(
+            0,
+            &Wavelengths::RGB,
+            PhotonRequest { map: Wanted::All, caustics: true, in_media: None },
+            &setup(3),
+        )
         .unwrap();
     let power: f64 = batch.photons.iter().map(|photon| f64::from(photon.power()[0])).sum();
     assert!((power / expected - 1.0).abs() < 1e-3, "{power} instead of {expected}");
@@ -153,12 +158,18 @@ fn maps_and_paths_agree_where_paths_find_all() {
 #[test]
 fn radii_shrink_as_they_should() {
     let world = BoundingSphere { center: Vec2::ZERO.extend(0.0), radius: 1.0 };
-    let share = |n: u32| Radius::of_pass(n, 1000, &world).share;
+    let share = |n: u32| Radius::of_pass(n, 1000, &world).disk.share;
     // r_N / r_1 for the N-th pass, [Knaus and Zwicker 2011].
     for (n, expected) in [(99, 0.488_251), (999, 0.332_808), (9999, 0.226_751)] {
         assert!((share(n) - expected).abs() < 2e-3 * expected, "{n}: {}", share(n));
     }
     assert_eq!(share(0), 1.0);
+    // As much is left of the volume of balls as of the area of disks.
+    for n in [0, 9, 999] {
+        let Radius { disk, ball } = Radius::of_pass(n, 1000, &world);
+        assert!((ball.share.powi(3) - disk.share.powi(2)).abs() < 1e-6);
+        assert!((ball.bounds[0] - 0.1).abs() < 1e-6);
+    }
 }
 
 #[test]
@@ -170,13 +181,16 @@ fn threads_tiles_and_stops_make_the_same_picture() {
                   MaterialIndex glass Sphere {{ center 0.5 -0.5 0 radius 0.8 }} }}",
         camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)
     );
-    let scene = scene(&text);
-    for (usage, spectral) in [(None, true), (Some(PhotonMapUse::Gather), false)] {
-        let settings =
-            PhotonSettings { spectral, ..with(usage, 9000 * if usage.is_some() { 1 } else { 16 }) };
-        let integrator = PhotonMapping::new(&scene, settings, [20, 16], LayerSet::of(&[Layer::Color]));
-        let schedule = RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
-        assert_same_picture(&integrator, [20, 16], &schedule, [9, 5]);
+    let fog = "Media { Medium air { sigma_s 0.3 0.2 0.1  sigma_a 0.05  g 0.3 }  exterior air } Materials";
+    for text in [text.clone(), text.replacen("Materials", fog, 1)] {
+        let scene = scene(&text);
+        for (usage, spectral) in [(None, true), (Some(PhotonMapUse::Gather), false)] {
+            let settings =
+                PhotonSettings { spectral, ..with(usage, 9000 * if usage.is_some() { 1 } else { 16 }) };
+            let integrator = PhotonMapping::new(&scene, settings, [20, 16], LayerSet::of(&[Layer::Color]));
+            let schedule = RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
+            assert_same_picture(&integrator, [20, 16], &schedule, [9, 5]);
+        }
     }
 }
 
@@ -196,4 +210,73 @@ fn what_cannot_be_is_said() {
     assert_eq!(made(&lit, Some(PhotonMapUse::Gather), u64::MAX), Ok(String::new()));
     let refused = made(&lit, Some(PhotonMapUse::Gather), 1000).unwrap_err().to_string();
     assert!(refused.contains("5000 paths") && refused.contains("`photons`"), "{refused}");
+}
+
+/// Fog of albedo 1 changes no light that is the same everywhere, thick or thin, in one colour or all, even or in clouds.
+#[test]
+fn fog_without_absorption_leaves_an_emissive_room_as_bright_as_it_was() {
+    let media = [
+        "Medium fog { sigma_s 1 1 1 }",
+        "Medium fog { sigma_s 0.3 1 3  g 0.6 }",
+        "FunctionMedium fog { function = 1 + x * y  sigma_s 3 2 1 }",
+    ];
+    for medium in media {
+        let text = format!(
+            "{} Media {{ {medium}  exterior fog }} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
+             Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+            camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0)
+        );
+        for usage in USES {
+            check(&scene(&text), with(usage, 8_000), 64, 2.0, 4e-3);
+        }
+    }
+}
+
+/// A room of fog with a ball of glass and a denser cloud, in which an emitter is large enough for paths to meet it.
+#[test]
+fn photons_in_media_and_paths_agree() {
+    let text = format!(
+        "{} Media {{ Medium air {{ sigma_s 0.2 0.15 0.1  sigma_a 0.05  g 0.3 }}
+                     FunctionMedium cloud {{ function = 1.5 + x  sigma_s 1 2 1.5  sigma_a 0.2 0.1 0.3 }}  exterior air }}
+         Materials {{ Matte wall {{ color 0.6 0.5 0.4 }}  Matte emitter {{ color 0 0 0 emission 5 5 5 emits front }}
+                      Glass glass {{ }}  Interface body {{ medium cloud }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                  MaterialIndex emitter Quad {{ corner -1 1.9 -1 edge1 2 0 0 edge2 0 0 2 }}
+                  MaterialIndex glass Sphere {{ center 1 -1 -0.5 radius 0.8 }}
+                  MaterialIndex body Sphere {{ center -0.8 -0.8 0 radius 0.8 }} }}",
+        camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)
+    );
+    let scene = scene(&text);
+    let path = PathSettings { bounces: 40, ..PathSettings::default() };
+    let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 8192);
+    for usage in USES {
+        let found = mean(&scene, PhotonSettings { bounces: 40, ..with(usage, 20_000) }, 128);
+        let sigma = found.standard_error.hypot(expected.standard_error) / expected.mean;
+        // Disks and balls reach into walls, where there are no photons.
+        let bias = if usage == Some(PhotonMapUse::Caustics) { 0.0 } else { 0.04 };
+        let error = (found.mean / expected.mean - 1.0).abs();
+        assert!(error < 4.0 * sigma + bias, "{usage:?}: {found:?} instead of {expected:?}");
+        assert!(sigma < 0.025, "{usage:?} is too noisy: {found:?}");
+    }
+}
+
+/// In balls that shrink the light that is missed beside walls comes back: with 64 times the photons a quarter of it is left.
+#[test]
+fn balls_of_many_photons_miss_little() {
+    let text = format!(
+        "{} Media {{ Medium air {{ sigma_s 0.5 0.4 0.3 }}  exterior air }}
+         Materials {{ Matte wall {{ color 0.7 0.7 0.7 }}  Matte emitter {{ color 0 0 0 emission 5 5 5 emits front }} }}
+         Group {{ MaterialIndex wall Box {{ min -1 -1 -1 max 1 1 1 }}
+                  MaterialIndex emitter Quad {{ corner -0.5 0.95 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}",
+        camera([0.0, 0.0, 0.9], [0.0, -0.1, 0.0], 60.0)
+    );
+    let scene = scene(&text);
+    let path = PathSettings { bounces: 64, ..PathSettings::default() };
+    let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 4096).mean;
+    let missed = |photons: u32| {
+        let settings = PhotonSettings { bounces: 64, ..with(Some(PhotonMapUse::Gather), photons) };
+        1.0 - mean(&scene, settings, 128).mean / expected
+    };
+    let [few, many] = [1_000, 64_000].map(missed);
+    assert!(few > 0.01 && many.abs() < 0.4 * few, "{few} {many}");
 }

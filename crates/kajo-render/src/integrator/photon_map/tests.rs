@@ -110,6 +110,19 @@ fn searches_find_what_a_look_at_all_finds() {
         let mut found = Vec::new();
         map.nearest(&point, 20, &mut scratch, |photon| found.push(distance(photon)));
         assert_eq!(found, expected);
+
+        // In a ball all of them count.
+        let mut all: Vec<f32> = photons.iter().map(distance).collect();
+        all.sort_by(f32::total_cmp);
+        let mut found = Vec::new();
+        map.within_ball(point.p, r, |photon| found.push(distance(photon)));
+        found.sort_by(f32::total_cmp);
+        assert_eq!(found, all[..all.partition_point(|&d2| d2 <= r * r)]);
+        let mut found = Vec::new();
+        map.nearest_in_ball(point.p, 20, &mut scratch, |photon| found.push(distance(photon)));
+        all.retain(|&d2| d2 <= map.most_r2);
+        all.truncate(20);
+        assert_eq!(found, all);
     }
 }
 
@@ -125,6 +138,37 @@ fn any_number_of_threads_builds_the_same_tree_of_any_order() {
     assert!(PhotonMap::new(Vec::new(), 3).for_nearest(5).is_empty());
     let alike = vec![Photon::new(&arrival(Vec3::ONE, Spectrum::WHITE), 0.0); 1000];
     assert_eq!(PhotonMap::new(alike, 2).for_nearest(5).photons.len(), 1000);
+}
+
+/// The same in a volume.
+#[test]
+fn the_nearest_photons_of_a_ball_tell_their_density() {
+    let n = 20_000u32;
+    let photon = |i: u32| {
+        let u = random(i);
+        let p = 2.0 * Vec3::new(u(0), u(1), u(2)) - Vec3::ONE;
+        Photon::new(&arrival(p, Spectrum::grey(1.0)), 0.5)
+    };
+    let density = f64::from(n) / 8.0;
+    for k in [3, 10, 50] {
+        let estimate = Estimate::of_batches(|batch| {
+            let photons = (0..n).map(|i| photon(i + n * (100 + batch))).collect();
+            let map = PhotonMap::new(photons, 1).for_nearest(k);
+            let mut scratch = NearestScratch::new();
+            let mean_of = 200;
+            let found = (0..mean_of).map(|i| {
+                let u = random(7_000_000 + 1000 * batch + i);
+                let p = Vec3::new(u(0), u(1), u(2)) - Vec3::splat(0.5);
+                let mut sum = 0.0;
+                let factor = map.nearest_in_ball(p, k, &mut scratch, |photon| sum += photon.power()[0]);
+                f64::from(factor * sum)
+            });
+            found.sum::<f64>() / f64::from(mean_of)
+        });
+        let error = (estimate.mean / density - 1.0).abs();
+        let (sigma, wrong) = (estimate.standard_error / density, 1.0 / (k as f64 - 1.0));
+        assert!(error < 4.0 * sigma && sigma < 0.25 * wrong, "{k}: off by {error} +- {sigma}");
+    }
 }
 
 /// Photons of known density: `k / (pi r_k^2)` is too large by `k / (k - 1)`, exactly.

@@ -48,7 +48,7 @@ use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
 
 use super::lane_mis::all_lanes;
-use super::{LaneMis, PathState};
+use super::{LaneMis, MediumStack, PathState};
 
 /// Null collisions along one ray after which it is given up: a majorant that is far above all densities is a mistake of the
 /// scene, and must not hold up a picture for ever.
@@ -70,6 +70,24 @@ pub struct MediumInteraction<'a> {
     /// Whether it is within a body that light is scattered in many times before it leaves; see
     /// [`kajo_core::medium::Coefficients::is_subsurface`].
     pub is_subsurface: bool,
+}
+
+impl MediumStack {
+    /// Scattering per unit length of all media at a point, by lanes.
+    ///
+    /// * `p`: in world space, where the stack holds
+    pub fn scattering(&self, scene: &Scene, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+        let of = |medium: MediumId| {
+            let coefficients = scene.appearance.media.coefficients(medium);
+            let sigma_s = coefficients.sigma_s(wavelengths) * scene.appearance.density(medium, p);
+            coefficients.colors().map_or(sigma_s, |colors| sigma_s * colors.at(p, wavelengths))
+        };
+        if !self.overlaps() {
+            return self.medium().map_or(Spectrum::BLACK, of);
+        }
+        let each = self.each_medium();
+        each.iter().filter_map(|medium| medium.get()).fold(Spectrum::BLACK, |sum, medium| sum + of(medium))
+    }
 }
 
 impl PathState<'_> {
