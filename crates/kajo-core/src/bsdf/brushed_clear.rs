@@ -10,12 +10,13 @@
 //!
 //! with `l_even` for facets of one roughness. What is left, `d`, is tabulated with both sides' averages `L` over the cosine, the
 //! azimuth in one quarter, the greater roughness, the lesser one over that, and the index, in `brushed_clear.bin`, made by the
-//! generator among the tests of these modules for the shape GGX.
+//! generator among the tests of these modules for both shapes.
 
 use std::f32::consts::FRAC_2_PI;
 
 use kajo_math::{Vec3, fmath};
 
+use super::Microfacets;
 use super::energy_tables::{Between, EvenTables, outlets};
 use super::microfacet::NormalDistribution;
 
@@ -31,14 +32,26 @@ pub(super) const SURFACES: usize = ASPECTS * ALPHAS * INDICES;
 /// Nodes of each table.
 pub(super) const OF_TABLE: usize = COSINES * TURNS * SURFACES;
 
-/// `d` of what is lost on the side of the lower index and of the higher one, and of what is reflected on the former, in signed
-/// 16-bit numbers; then `L` of both sides in single precision. Little endian; cosines fastest, then azimuths, ratios,
-/// roughnesses and indices.
-const TABLES: &[u8; 6 * OF_TABLE + 8 * SURFACES] = include_bytes!("brushed_clear.bin");
+/// Bytes of the tables of one shape: `d` of what is lost on the side of the lower index and of the higher one, and of what is reflected
+/// on the former, in signed 16-bit numbers; then `L` of both sides in single precision. Little endian; cosines fastest, then
+/// azimuths, ratios, roughnesses and indices.
+pub(super) const OF_SHAPE: usize = 6 * OF_TABLE + 8 * SURFACES;
+
+/// Those of GGX, then those of Beckmann.
+const TABLES: &[u8; 2 * OF_SHAPE] = include_bytes!("brushed_clear.bin");
+
+/// Where the tables of a shape begin.
+fn offset(shape: NormalDistribution) -> usize {
+    match shape {
+        NormalDistribution::Ggx => 0,
+        NormalDistribution::Beckmann => OF_SHAPE,
+    }
+}
 
 /// What one boundary loses.
 #[derive(Clone, Copy)]
 pub(super) struct BrushedClear {
+    shape: NormalDistribution,
     /// The greater and the lesser roughness.
     alphas: [f32; 2],
     /// Whether the greater one is along y.
@@ -71,23 +84,23 @@ struct TableDirection {
 }
 
 impl BrushedClear {
-    /// That of facets of the shape GGX.
-    ///
     /// * `n`: the higher index over the lower
-    pub fn new(alpha_x: f32, alpha_y: f32, n: f32) -> BrushedClear {
+    pub fn new(facets: &Microfacets, n: f32) -> BrushedClear {
+        let Microfacets { shape, alpha_x, alpha_y } = *facets;
         let alphas @ [rough, fine] = [alpha_x.max(alpha_y), alpha_x.min(alpha_y)];
         let (index, alpha) = (Between::index(n, INDICES), Between::alpha(rough, ALPHAS));
         let aspect = Between::alpha(fine / rough, ASPECTS);
         let average = |side: usize| {
             let node = |n: usize, a: usize, q: usize| {
-                let at = 6 * OF_TABLE + 4 * (side * SURFACES + (n * ALPHAS + a) * ASPECTS + q);
+                let at =
+                    offset(shape) + 6 * OF_TABLE + 4 * (side * SURFACES + (n * ALPHAS + a) * ASPECTS + q);
                 f32::from_le_bytes([TABLES[at], TABLES[at + 1], TABLES[at + 2], TABLES[at + 3]])
             };
             index.mix(|n| alpha.mix(|a| aspect.mix(|q| node(n, a, q))))
         };
         let (density, thin_share) = outlets([average(0), average(1)], n);
         let is_across = alpha_y > alpha_x;
-        BrushedClear { alphas, is_across, n, index, alpha, aspect, density, thin_share }
+        BrushedClear { shape, alphas, is_across, n, index, alpha, aspect, density, thin_share }
     }
 
     /// `l` for the unit direction `w`, on the side of the higher index or the other.
@@ -116,14 +129,15 @@ impl BrushedClear {
     fn even(&self, seen: &TableDirection) -> EvenTables {
         let [rough, fine] = self.alphas.map(|alpha| alpha * alpha);
         let alpha = (seen.cos2_phi * rough + (1.0 - seen.cos2_phi) * fine).sqrt();
-        EvenTables::new(NormalDistribution::Ggx, alpha, self.n)
+        EvenTables::new(self.shape, alpha, self.n)
     }
 
     fn difference(&self, table: Table, seen: &TableDirection) -> f32 {
         let (turn, cosine) = (Between::new(seen.turn, TURNS), Between::cosine(seen.cos, COSINES));
+        let start = offset(self.shape) + 2 * table as usize * OF_TABLE;
         let node = |n: usize, a: usize, q: usize, p: usize, j: usize| {
             let node = (((n * ALPHAS + a) * ASPECTS + q) * TURNS + p) * COSINES + j;
-            let at = 2 * (table as usize * OF_TABLE + node);
+            let at = start + 2 * node;
             f32::from(i16::from_le_bytes([TABLES[at], TABLES[at + 1]])) * (1.0 / 32767.0)
         };
         let on = |n: usize, a: usize, q: usize| turn.mix(|p| cosine.mix(|j| node(n, a, q, p, j)));

@@ -71,10 +71,9 @@ pub(super) fn saturate(f: f32, x: f32) -> f32 {
 /// Directions `w` are unit vectors, above or below the surface alike.
 #[derive(Clone, Copy)]
 pub(super) struct Loss {
-    /// That of facets as rough in all directions as these are in the roughest, by which directions are drawn; without `brushed`
-    /// as they are in the smoothest, so that hardly any light is made.
+    /// That of facets as rough in all directions as these are in the roughest, by which directions are drawn.
     even: EvenLoss,
-    /// What differs for facets whose roughness depends on the direction, of the one shape that has a table of it.
+    /// What differs for facets whose roughness depends on the direction.
     brushed: Option<BrushedClear>,
 }
 
@@ -83,11 +82,9 @@ impl Loss {
     #[inline]
     pub fn new(facets: &Microfacets, n: f32) -> Loss {
         let Microfacets { shape, alpha_x, alpha_y } = *facets;
-        let is_brushed = alpha_x != alpha_y && shape == NormalDistribution::Ggx;
-        let alpha = if is_brushed { alpha_x.max(alpha_y) } else { alpha_x.min(alpha_y) };
         Loss {
-            even: EvenLoss::new(shape, alpha, n),
-            brushed: if is_brushed { Some(BrushedClear::new(alpha_x, alpha_y, n)) } else { None },
+            even: EvenLoss::new(shape, alpha_x.max(alpha_y), n),
+            brushed: if alpha_x != alpha_y { Some(BrushedClear::new(facets, n)) } else { None },
         }
     }
 

@@ -9,7 +9,7 @@ use kajo_math::{Vec2, Vec3};
 
 use super::super::microfacet::NormalDistribution;
 use super::super::*;
-use brushed_clear::{ALPHAS, ASPECTS, BrushedClear, COSINES, INDICES, OF_TABLE, SURFACES, TURNS};
+use brushed_clear::{ALPHAS, ASPECTS, BrushedClear, COSINES, INDICES, OF_SHAPE, OF_TABLE, SURFACES, TURNS};
 use energy_tables::{EvenTables, STRONGEST};
 
 /// Samples of one direction.
@@ -24,11 +24,11 @@ struct Surface {
 
 impl Surface {
     /// The surface of the nodes of index, roughness and ratio, ratios fastest.
-    fn new(number: usize) -> Surface {
+    fn new(shape: NormalDistribution, number: usize) -> Surface {
         let square = |i: usize, n: usize| (i as f32 / (n - 1) as f32).powi(2);
         let rough = square(number / ASPECTS % ALPHAS, ALPHAS);
         let alpha_y = square(number % ASPECTS, ASPECTS) * rough;
-        let facets = Microfacets { shape: NormalDistribution::Ggx, alpha_x: rough, alpha_y }.held();
+        let facets = Microfacets { shape, alpha_x: rough, alpha_y }.held();
         let y = STRONGEST * square(number / (ASPECTS * ALPHAS), INDICES);
         Surface { facets, n: ((1.0 + y) / (1.0 - y)).max(1.002) }
     }
@@ -118,10 +118,11 @@ fn short(d: f64) -> i16 {
     (d * 32767.0).round() as i16
 }
 
-fn write(path: &str) {
+/// The tables of one shape.
+fn tables(shape: NormalDistribution) -> Vec<u8> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let surface =
-        |s: usize| (0..COSINES * TURNS).map(move |i| Surface::new(s).differences(node(i)).map(short));
+        |s: usize| (0..COSINES * TURNS).map(move |i| Surface::new(shape, s).differences(node(i)).map(short));
     let all: Vec<[i16; 3]> = std::thread::scope(|scope| {
         let part = SURFACES.div_ceil(threads);
         let made = (0..threads).map(|t| {
@@ -133,22 +134,29 @@ fn write(path: &str) {
     });
     assert_eq!(all.len(), OF_TABLE);
     let mut bytes: Vec<u8> = (0..3).flat_map(|k| all.iter().flat_map(move |d| d[k].to_le_bytes())).collect();
-    let averages: Vec<_> =
-        all.chunks(COSINES * TURNS).enumerate().map(|(s, nodes)| Surface::new(s).averages(nodes)).collect();
+    let averages: Vec<_> = all
+        .chunks(COSINES * TURNS)
+        .enumerate()
+        .map(|(s, nodes)| Surface::new(shape, s).averages(nodes))
+        .collect();
     bytes.extend((0..2).flat_map(|side| averages.iter().flat_map(move |l| l[side].to_le_bytes())));
-    std::fs::write(path, bytes).expect("the table is written");
+    assert_eq!(bytes.len(), OF_SHAPE);
+    bytes
 }
 
 #[test]
 fn brushed_clear_tables_are_what_the_generator_makes() {
+    let shapes = [NormalDistribution::Ggx, NormalDistribution::Beckmann];
     if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
-        write(concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/brushed_clear.bin"));
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/brushed_clear.bin");
+        std::fs::write(path, shapes.map(tables).concat()).expect("the table is written");
         return;
     }
-    for number in [(3 * ALPHAS + 6) * ASPECTS + 2, (5 * ALPHAS + 9) * ASPECTS + 1, (ALPHAS + 3) * ASPECTS + 4]
-    {
-        let surface = Surface::new(number);
-        let found = BrushedClear::new(surface.facets.alpha_x, surface.facets.alpha_y, surface.n);
+    let numbers =
+        [(3 * ALPHAS + 6) * ASPECTS + 2, (5 * ALPHAS + 9) * ASPECTS + 1, (ALPHAS + 3) * ASPECTS + 4];
+    for (shape, number) in shapes.into_iter().flat_map(|shape| numbers.map(|number| (shape, number))) {
+        let surface = Surface::new(shape, number);
+        let found = BrushedClear::new(&surface.facets, surface.n);
         for i in (0..COSINES * TURNS).step_by(7) {
             let w = node(i);
             let [[thin, reflected], [dense, _]] = [false, true].map(|dense| surface.scatter(dense, w));
@@ -157,7 +165,10 @@ fn brushed_clear_tables_are_what_the_generator_makes() {
                 (found.lost(true, w), dense),
                 (found.reflected_once(w), reflected),
             ] {
-                assert!((f64::from(found) - expected).abs() < 1e-3, "{number} {w}: {found} for {expected}");
+                assert!(
+                    (f64::from(found) - expected).abs() < 1e-3,
+                    "{shape:?} {number} {w}: {found} for {expected}"
+                );
             }
         }
     }
@@ -166,7 +177,9 @@ fn brushed_clear_tables_are_what_the_generator_makes() {
 /// Grain along y is grain along x seen from the side, and all four quarters of both sides are alike.
 #[test]
 fn quarters_of_clear_media_are_alike() {
-    let [along, across] = [[0.6, 0.2], [0.2, 0.6]].map(|[x, y]| BrushedClear::new(x, y, 1.5));
+    let facets =
+        |[alpha_x, alpha_y]: [f32; 2]| Microfacets { shape: NormalDistribution::Beckmann, alpha_x, alpha_y };
+    let [along, across] = [[0.6, 0.2], [0.2, 0.6]].map(|alphas| BrushedClear::new(&facets(alphas), 1.5));
     for w in [direction(0.1, 0.3), direction(0.5, 0.7), direction(0.9, 0.9)] {
         let expected = along.lost(true, w);
         for mirrored in [Vec3::new(-w.x, w.y, w.z), Vec3::new(w.x, -w.y, w.z), -w] {

@@ -217,8 +217,8 @@ pub fn families() -> Vec<Family> {
         Family {
             name: "scratched glass, Beckmann",
             lobe: |a| glass(1.5, anisotropic(NormalDistribution::Beckmann, a)),
-            tolerance: 0.03,
-            ..PLAIN
+            lossless: true,
+            tolerance: 0.02,
         },
         Family {
             name: "grooved diamond",
