@@ -132,7 +132,7 @@ impl Sequence {
             SamplerKind::Regular | SamplerKind::Jittered => {
                 let n = u64::from(sampler.samples().max(1));
                 let golden = (n as f64 * 0.618_034) as u64;
-                let stride = (golden.max(1)..).find(|&stride| gcd(stride, n) == 1).unwrap_or(1);
+                let stride = (golden.max(1)..).find(|&stride| inverse(stride, n).is_some()).unwrap_or(1);
                 Sequence { stride, modulus: n }
             }
             _ => Sequence { stride: 1, modulus: u64::MAX },
@@ -152,22 +152,35 @@ impl Sequence {
             Some(index)
         })
     }
-}
 
-/// The position in the order in which a render takes the samples of a pixel at which it takes that of an index, which is what decides on the
-/// [state](crate::state) that it is taken with.
-pub fn position_of(sampler: &Sampler, index: u32) -> u32 {
-    match Sequence::new(sampler) {
-        Sequence { stride: 1, .. } => index,
-        sequence => {
-            let mut all = sequence.indices(0..sampler.samples());
-            all.position(|other| other == index).map_or(index, |position| position as u32)
-        }
+    /// The position at which [`Sequence::indices`] has an index; `None` where the sequence does not have it.
+    fn position(self, index: u32) -> Option<u32> {
+        let Sequence { stride, modulus } = self;
+        let index = u64::from(index);
+        // Of fewer than 2^32 samples, so that the product has room.
+        let position = if stride == 1 { index } else { index * inverse(stride, modulus)? % modulus };
+        (index < modulus).then_some(position as u32)
     }
 }
 
-fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
+/// The position in the order in which a render takes the samples of a pixel at which it takes that of an index, which is what decides on the
+/// [state](crate::state) that it is taken with. Indices beyond all samples are their own positions.
+pub fn position_of(sampler: &Sampler, index: u32) -> u32 {
+    Sequence::new(sampler).position(index).unwrap_or(index)
+}
+
+/// The number whose product with `a` is 1 modulo `n`, below `n`, by Euclid's algorithm; `None` where both have a common divisor.
+///
+/// * `a`, `n`: at most 2^32, `n` not zero
+fn inverse(a: u64, n: u64) -> Option<u64> {
+    // Each remainder is `a` times its factor, modulo n.
+    let (mut remainders, mut factors) = ([n as i64, a as i64], [0, 1]);
+    while remainders[1] != 0 {
+        let quotient = remainders[0] / remainders[1];
+        remainders = [remainders[1], remainders[0] - quotient * remainders[1]];
+        factors = [factors[1], factors[0] - quotient * factors[1]];
+    }
+    (remainders[0] == 1).then(|| factors[0].rem_euclid(n as i64) as u64)
 }
 
 /// What a render took.

@@ -5,7 +5,8 @@ use kajo_math::Vec2;
 
 use super::*;
 use crate::{
-    FilmSpec, Filter, Layer, LayerSet, PixelSample, SampleContext, Silent, render, schedule::Sequence,
+    FilmSpec, Filter, Layer, LayerSet, PixelSample, SampleContext, Silent, position_of, render,
+    schedule::Sequence,
 };
 
 /// Light that depends on everything, and splats everywhere.
@@ -116,6 +117,24 @@ fn a_sequence_visits_all_and_begins_everywhere() {
     }
     let uniform = Sequence::new(&Sampler::new(SamplerKind::Uniform, 4));
     assert!(uniform.indices(2..9).eq(2..9), "there is no end to it");
+}
+
+#[test]
+fn positions_are_where_a_sequence_has_its_indices() {
+    let kinds = [SamplerKind::Regular, SamplerKind::Jittered, SamplerKind::Uniform, SamplerKind::Sobol];
+    for (kind, n) in kinds.into_iter().flat_map(|kind| [1, 2, 3, 8, 9, 100, 1009].map(|n| (kind, n))) {
+        let sampler = Sampler::new(kind, n);
+        let positions = Sequence::new(&sampler).indices(0..n).map(|index| position_of(&sampler, index));
+        assert!(positions.eq(0..n), "{kind:?} {n}");
+        assert_eq!(position_of(&sampler, n), n, "{kind:?}: beyond all samples");
+    }
+    // Of so many that none could be looked for one by one.
+    let sampler = Sampler::new(SamplerKind::Jittered, 4_000_000_000);
+    let sequence = Sequence::new(&sampler);
+    for position in [0, 1, 2, 12_345, 3_123_456_789, 3_999_999_999] {
+        let index = sequence.indices(position..position + 1).next().expect("one of the samples");
+        assert_eq!(position_of(&sampler, index), position);
+    }
 }
 
 /// Cancels after a number of questions.
