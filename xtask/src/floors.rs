@@ -179,6 +179,7 @@ const CORE_MODULES: [(&str, &[&str]); 34] = [
             "bsdf",
             "texture",
             "material",
+            "emission",
             "shape",
             "light",
             "measured",

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use kajo_color::{Reflectance, Spectrum, Wavelengths, dispersion::Dispersion, named};
+use kajo_color::{Emission, Reflectance, Spectrum, Wavelengths, dispersion::Dispersion, named};
 use kajo_image::Image;
 use kajo_math::{Affine3, Vec2, Vec3};
 
@@ -10,6 +10,8 @@ use super::{Census, Draw, Furnace, Who};
 use crate::Pooled;
 use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::NormalDistribution};
+use crate::emission::SurfaceEmission;
+use crate::light::Sides;
 use crate::material::{
     Appearance, Blend, BtfMaterial, BtfSettings, Embossed, Glass, GlassSettings, Grain, LayeredMaterial,
     Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, NullInterface, Perforated, PhongMaterial,
@@ -20,7 +22,7 @@ use crate::measured::{MeasuredBrdf, merl};
 use crate::medium::{Coefficients, HomogeneousMedium, Phase};
 use crate::texture::{
     Channel, Checker, ColorTexture, Encoding, FloatTexture, Noise, Picture, PictureChannel, PictureMap,
-    SurfaceUv, TextureContext, TextureFootprint,
+    SurfaceUv, TextureContext, TextureFootprint, Textures,
 };
 
 /// How far off the energy of a material without losses may be.
@@ -292,6 +294,7 @@ fn materials_are_what_they_say() {
 #[test]
 fn wrappers_answer_as_what_they_wrap() {
     let Samples { mut appearance, .. } = made();
+    let checks = appearance.textures.float(Checker).expect("there is room");
     let boundary = NullInterface { medium: appearance.media.ids().next(), priority: 3 };
     boundary.store(&mut appearance.materials).expect("there is room");
     let ids: Vec<MaterialId> = appearance.materials.ids().collect();
@@ -303,6 +306,13 @@ fn wrappers_answer_as_what_they_wrap() {
         let whole = Perforated { material: part, opacity: 1.0.into() }.store(pool);
         let [blend, flat, whole] = [blend, flat, whole].map(|id| id.expect("there is room"));
         let all = &appearance;
+        // The light of the parts is what the builder says it is: here in a pattern, from one side.
+        let light = SurfaceEmission::from(Emission::from_rgb([1.0, 2.0, 3.0])).on(Sides::Front).times(checks);
+        let of_part = |id| if id == part { light.clone() } else { SurfaceEmission::default() };
+        for wrapped in [blend, flat, whole] {
+            let shines = all.materials.emission(wrapped, &of_part, &mut Textures::default());
+            assert_eq!(format!("{shines:?}"), format!("{:?}", Some(&light)), "{}", Materials::kind(wrapped));
+        }
         let context = TextureContext { uv: Vec2::new(0.3, 0.6).into(), ..TextureContext::default() };
         for u in [0.1, 0.7] {
             let at = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
