@@ -453,7 +453,8 @@ fn gallery() -> Vec<PathBuf> {
 /// Some edit that depends on `dice`: of any node, sensible or not.
 fn some_edit(d: &Document, dice: &mut impl FnMut(usize) -> usize) -> Option<Edit> {
     let nodes = d.outline().nodes();
-    let node = nodes.get(dice(nodes.len().max(1)))?;
+    // Where nothing is left, only something new can come.
+    let Some(node) = nodes.get(dice(nodes.len().max(1))) else { return some_addition(None, dice) };
     let other = nodes[dice(nodes.len())].id;
     let number = dice(2001) as f64 / 100.0 - 10.0;
     Some(match dice(12) {
@@ -473,12 +474,16 @@ fn some_edit(d: &Document, dice: &mut impl FnMut(usize) -> usize) -> Option<Edit
         8 => Edit::MoveInto { node: node.id, into: other },
         9 => Edit::Rename { node: node.id, name: (dice(3) > 0).then(|| format!("name {number}")) },
         10 => Edit::Paint { node: node.id, material: other },
-        _ => {
-            let keywords = ["Sphere", "Box", "Quad", "PointLight", "Glass", "Marble", "Cone", "Group"];
-            let block = template(keywords[dice(keywords.len())], [number, 1.0, 0.0], 0.5)?;
-            Edit::Add { into: (dice(2) > 0).then_some(other), block }
-        }
+        _ => return some_addition(Some(other), dice),
     })
+}
+
+/// A new block, at the end of the text or in a node.
+fn some_addition(node: Option<NodeId>, dice: &mut impl FnMut(usize) -> usize) -> Option<Edit> {
+    let keywords = ["Sphere", "Box", "Quad", "PointLight", "Glass", "Marble", "Cone", "Group"];
+    let x = dice(2001) as f64 / 100.0 - 10.0;
+    let block = template(keywords[dice(keywords.len())], [x, 1.0, 0.0], 0.5)?;
+    Some(Edit::Add { into: node.filter(|_| dice(2) > 0), block })
 }
 
 /// Applies `n` edits drawn by `dice` and takes all of them back; returns how many were possible.
