@@ -1,6 +1,6 @@
 //! The generator of the tables of brushed clear media, and the check that the file in the repository is what it makes.
 //!
-//! `KAJO_WRITE_TABLES=1 cargo test --release -p kajo-core brushed_clear_tables` writes the file anew, from the tables of
+//! `KAJO_WRITE_ENERGY=1 cargo test --release -p kajo-core brushed_clear_tables` writes the file anew, from the tables of
 //! facets of one roughness.
 
 use std::f32::consts::FRAC_PI_2;
@@ -147,7 +147,7 @@ fn tables(shape: NormalDistribution) -> Vec<u8> {
 #[test]
 fn brushed_clear_tables_are_what_the_generator_makes() {
     let shapes = [NormalDistribution::Ggx, NormalDistribution::Beckmann];
-    if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
+    if std::env::var_os("KAJO_WRITE_ENERGY").is_some() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/brushed_clear.bin");
         std::fs::write(path, shapes.map(tables).concat()).expect("the table is written");
         return;

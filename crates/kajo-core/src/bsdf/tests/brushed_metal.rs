@@ -1,6 +1,6 @@
 //! The generator of the tables of brushed metals, and the check that the file in the repository is what it makes.
 //!
-//! `KAJO_WRITE_TABLES=1 cargo test --release -p kajo-core brushed_metal_tables` writes the file anew.
+//! `KAJO_WRITE_ENERGY=1 cargo test --release -p kajo-core brushed_metal_tables` writes the file anew.
 
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2};
 
@@ -90,7 +90,7 @@ fn values(shape: NormalDistribution) -> Vec<u8> {
 #[test]
 fn brushed_metal_tables_are_what_the_generator_makes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/brushed_metal.bin");
-    if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
+    if std::env::var_os("KAJO_WRITE_ENERGY").is_some() {
         let tables = [NormalDistribution::Ggx, NormalDistribution::Beckmann].map(values).concat();
         assert_eq!(tables.len(), 4 * OF_SHAPE);
         std::fs::write(path, tables).expect("the table is written");

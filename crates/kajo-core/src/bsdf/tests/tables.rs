@@ -1,6 +1,6 @@
 //! The generator of the energy tables, and the check that the file in the repository is what it makes.
 //!
-//! `KAJO_WRITE_TABLES=1 cargo test --release -p kajo-core energy_tables` writes the file anew.
+//! `KAJO_WRITE_ENERGY=1 cargo test --release -p kajo-core energy_tables` writes the file anew.
 
 use kajo_math::{Vec2, Vec3};
 
@@ -171,7 +171,7 @@ fn values(shape: NormalDistribution) -> Vec<u8> {
 #[test]
 fn energy_tables_are_what_the_generator_makes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/energy.bin");
-    if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
+    if std::env::var_os("KAJO_WRITE_ENERGY").is_some() {
         let shapes = [NormalDistribution::Ggx, NormalDistribution::Beckmann];
         let tables = [shapes.map(values).concat(), shapes.map(mirrors).concat()];
         std::fs::write(path, tables.concat()).expect("the table is written");
