@@ -3,17 +3,20 @@
 //! It holds for all objects after it, past the end of the group it stands in; a definition begins without one and
 //! does not change it for what follows. Objects that are painted, moved, copied or deleted must not change
 //! the material of others, so `MaterialIndex` items are put around them where needed.
+//!
+//! The `material` of a set operation is that of all that stands in it, and no `MaterialIndex` is put there.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
 use kajo_scene::Item;
 
+use super::fields::fields_of;
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, FileId, Node, TextEdit, layout};
 use kajo_core::compile::kind_of;
-use kajo_core::schema::Kind;
 use kajo_core::schema::quoted;
+use kajo_core::schema::{FieldKind, Kind};
 
 const INDEX: &str = "MaterialIndex";
 
@@ -46,9 +49,33 @@ impl Tree {
         }
     }
 
-    /// Every item that refers to a material: `MaterialIndex` of objects and `materialIndex` of patterns.
+    /// Every item that refers to a material, in the order of the text: `MaterialIndex` of objects, and values of blocks.
     pub(super) fn references(&self) -> impl Iterator<Item = Item<'_>> {
-        self.desc.items().filter(|item| [INDEX, "materialIndex"].contains(&item.keyword()))
+        let indices = self.desc.items().filter(|item| item.keyword() == INDEX);
+        let values = self.outline.nodes().iter().flat_map(|node| self.references_of(node));
+        let mut all: Vec<Item<'_>> = indices.chain(values).collect();
+        all.sort_by_key(Item::index);
+        all.into_iter()
+    }
+
+    /// The values of a block that name materials.
+    fn references_of<'a>(&'a self, node: &'a Node) -> impl Iterator<Item = Item<'a>> {
+        let names = |item: &Item<'_>| {
+            let mut fields = fields_of(node).filter(|field| field.kind == FieldKind::Material);
+            fields.any(|field| field.key == item.keyword())
+        };
+        let may_have = fields_of(node).any(|field| field.kind == FieldKind::Material);
+        let values = may_have.then(|| self.values_of(node));
+        values.into_iter().flatten().filter(names)
+    }
+
+    /// What gives all objects in a block, and those in it, one material: the outermost set operation with a `material` that
+    /// the block is or stands in, and that value.
+    pub(super) fn painted_by<'a>(&'a self, node: Option<&'a Node>) -> Option<(&'a Node, Item<'a>)> {
+        let around = std::iter::successors(node, |inner| self.parent(inner));
+        let around =
+            around.take_while(|node| node.kind != Kind::Define).filter(|node| node.kind == Kind::Group);
+        around.filter_map(|node| Some((node, self.references_of(node).last()?))).last()
     }
 
     /// The material of an object; for a group that of its first object.
@@ -56,7 +83,8 @@ impl Tree {
         let item = self.item(node)?;
         let within = (item.index()..item.next_index()).filter_map(|i| self.desc.item(i));
         let first = within.filter(|&i| is_painted(i)).map(|i| i.index()).next().unwrap_or(item.index());
-        self.meant(self.in_force(first)?)
+        let by_operation = self.painted_by(self.node_around(first)).map(|(_, reference)| reference);
+        self.meant(by_operation.or_else(|| self.in_force(first))?)
     }
 
     /// The `MaterialIndex` that holds just before the item with this number.
@@ -128,19 +156,29 @@ impl Tree {
 
     /// The text of an object for another place, with what keeps its material and that of what follows there.
     ///
-    /// * `from`, `to`: numbers of items; the object's material is the one in force at `from`, and the text will stand
-    ///   before item `to`
-    pub(super) fn transplanted(&self, node: &Node, from: u32, to: u32) -> String {
+    /// * `into`: the block in which the text will stand, before item `to`
+    pub(super) fn transplanted(&self, node: &Node, into: &Node, to: u32) -> String {
         let Some(item) = self.item(node) else { return String::new() };
         let text = self.source_of(item);
+        if self.painted_by(Some(into)).is_some() {
+            return text.to_owned();
+        }
         let index = |item: Option<Item<'_>>| item.map(|item| self.source_of(item));
-        let (own, there) = (index(self.in_force(from)), index(self.in_force(to)));
+        let there = index(self.in_force(to));
+        let painted = self.painted_by(self.parent(node)).map(|(_, reference)| self.as_index(reference));
+        let own = painted.as_deref().or_else(|| index(self.in_force(item.index())));
         let needs_own = own != there && self.is_used_within(item);
         let before = own.filter(|_| needs_own).map_or_else(String::new, |own| format!("{own}  "));
         let leaves = self.last_within(item).or(own.filter(|_| needs_own));
         let is_disturbed = leaves.is_some_and(|leaves| Some(leaves) != there) && self.is_used_from(to);
         let after = there.filter(|_| is_disturbed).map_or_else(String::new, |there| format!("  {there}"));
         format!("{before}{text}{after}")
+    }
+
+    /// The `MaterialIndex` that means what a value means.
+    fn as_index(&self, reference: Item<'_>) -> String {
+        let text = self.source_of(reference);
+        format!("{INDEX}{}", text.strip_prefix(reference.keyword()).unwrap_or(text))
     }
 
     /// Whether a subtree takes the material in force before it.
@@ -166,6 +204,14 @@ impl Tree {
             return Err(EditRefused::new("select the objects in the scene's group"));
         }
         let Some(item) = self.item(node) else { return Ok(Vec::new()) };
+        if let Some((around, _)) = self.painted_by(self.parent(node)) {
+            let message =
+                format!("the `{}` that it stands in has one material for all: paint that", around.keyword);
+            return Err(EditRefused::new(message));
+        }
+        if let Some((_, own)) = self.painted_by(Some(node)) {
+            return Ok(self.set_reference(own, material));
+        }
         let inner: Vec<Item<'_>> = self.indices_within(item).collect();
         if !inner.is_empty() {
             return Ok(self.repaint(&inner, item, material));
@@ -192,8 +238,16 @@ impl Tree {
         Ok(edits)
     }
 
+    /// What says of what material the objects in a block are: each `MaterialIndex`, and each `material` of a set operation.
     fn indices_within<'a>(&'a self, item: Item<'a>) -> impl Iterator<Item = Item<'a>> {
-        (item.index()..item.next_index()).filter_map(|i| self.desc.item(i)).filter(|i| i.keyword() == INDEX)
+        let within = (item.index()..item.next_index()).filter_map(|i| self.desc.item(i));
+        within.filter(|&inner| {
+            let is_of_operation = || {
+                let node = self.node_around(inner.index()).filter(|node| node.kind == Kind::Group);
+                node.is_some_and(|node| self.references_of(node).any(|own| own.index() == inner.index()))
+            };
+            inner.keyword() == INDEX || is_of_operation()
+        })
     }
 
     /// Sets all indices of a group, and one for what stands in it before the first.

@@ -58,7 +58,7 @@ impl Tree {
     fn with_material(&self, into: Option<&Node>, block: &str, edits: &mut Vec<TextEdit>) -> String {
         let at = into.and_then(|node| self.item(node)).map_or(u32::MAX - 1, |item| item.next_index());
         let is_defined = into.is_some_and(|node| self.is_within_definition(node));
-        if is_defined || self.in_force(at).is_some() {
+        if is_defined || self.in_force(at).is_some() || self.painted_by(into).is_some() {
             return block.to_owned();
         }
         let first = self.materials().next();
@@ -128,9 +128,7 @@ impl Tree {
             // Materials are known by number: the copy comes last.
             Kind::Material => (self.renamed_copy(node), None),
             Kind::Define => (self.renamed_copy(node), Some(node)),
-            kind if kind.is_object() => {
-                (self.transplanted(node, item.index(), item.next_index()), Some(node))
-            }
+            kind if kind.is_object() => (self.transplanted(node, parent, item.next_index()), Some(node)),
             _ => return Err(EditRefused::new(format!("a second `{}` would mean nothing", node.keyword))),
         };
         let Some(after) = after else { return self.put_last(parent, &copy, node.kind) };
@@ -228,7 +226,7 @@ impl Tree {
         if target.children().last().is_some_and(|last| last.span() == item.span()) {
             return Ok(Vec::new());
         }
-        let text = self.transplanted(node, item.index(), target.next_index());
+        let text = self.transplanted(node, into, target.next_index());
         let mut edits = vec![self.inserted_last(into, &text)?, self.taken_out(node)];
         // Two nodes of one text hold the same.
         let is_elsewhere = |from: &Node| from.file != into.file || from.span != into.span;

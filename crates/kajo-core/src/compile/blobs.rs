@@ -37,7 +37,7 @@ impl Compiler<'_> {
         let Some(BlobText { kernel, threshold, components }) = text else {
             return self.put_shape(None, item, ctm, state);
         };
-        let mixes = components.iter().any(|component| component.material.is_some());
+        let mixes = state.of_all.is_none() && components.iter().any(|component| component.material.is_some());
         let materials = if mixes { self.blob_materials(&components, item, state) } else { Some(Vec::new()) };
         let Some(materials) = materials else { return };
         let mixed = distinct(&materials);

@@ -1,4 +1,4 @@
-//! `Intersection`, `Difference` and `Merge`: solids made of others.
+//! `Union`, `Intersection`, `Difference` and `Merge`: solids made of others.
 
 use kajo_scene::{Diagnostic, Item, Params};
 
@@ -12,7 +12,7 @@ use super::part::Part;
 use crate::ids::MaterialSlot;
 use crate::material::MaterialId;
 use crate::nested::PartContent;
-use crate::shape::{AnyShape, Csg, CsgError, SetOperation, SolidPart};
+use crate::shape::{AnyShape, Csg, CsgError, SetOperation, ShapeId, SolidPart};
 
 /// An operand as it was read.
 struct Operand<'t> {
@@ -20,7 +20,34 @@ struct Operand<'t> {
     parts: Vec<Part>,
 }
 
+/// The block of an operation as it was read.
+struct Operation<'t> {
+    /// The one of all faces, where the block says one; `None` within where that is a mistake, which was reported.
+    material: Option<Option<MaterialId>>,
+    children: Vec<Item<'t>>,
+}
+
 impl Compiler<'_> {
+    /// Objects together, all of one material where the block has one.
+    ///
+    /// * `read`: reads that material
+    pub(super) fn union<'t>(
+        &mut self,
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<Option<Reference<'t>>>,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
+        let Some(Operation { material, children }) = self.operation(item, read) else { return };
+        let outer = state.of_all;
+        if let Some(own) = material {
+            state.of_all = outer.or(own);
+            state.material_failed |= own.is_none();
+        }
+        self.members(item, children, ctm, state);
+        state.of_all = outer;
+    }
+
     /// Makes an object of what a set operation makes of the objects in a block.
     ///
     /// * `read`: reads the material of all faces, where the block has one
@@ -32,28 +59,16 @@ impl Compiler<'_> {
         ctm: &mut CurrentTransform,
         state: &mut GraphicsState,
     ) {
-        let keys = self.read_keys(item, |params, sources| {
-            params.name();
-            let material = read(params, sources);
-            Some((material, params.rest()))
-        });
-        let Some((material, children)) = keys else { return };
-        let has_own = material.as_ref().is_none_or(Option::is_some);
-        let own = material.flatten().and_then(|reference| self.material(&reference));
+        let Some(Operation { material, children }) = self.operation(item, read) else { return };
         let mut inner = GraphicsState {
             parts: Some(Vec::new()),
             is_operand: true,
             material: state.material,
-            material_failed: state.material_failed,
+            material_failed: state.material_failed || material.is_some_and(|own| own.is_none()),
+            of_all: state.of_all.or(material.flatten()),
         };
         let mut operands = Vec::new();
         for child in children {
-            if has_own && child.keyword() == MATERIAL_INDEX {
-                let message = format!("this `{}` has a `material` for all its faces", item.keyword());
-                let error =
-                    Diagnostic::error(message).label(child.head_span(), "no face would have this one");
-                self.diagnostics.push(error.help("leave out `material`, or `MaterialIndex`"));
-            }
             self.object(child, item.keyword(), &mut CurrentTransform::origin(), &mut inner);
             let parts = inner.parts.replace(Vec::new()).unwrap_or_default();
             if OBJECTS.contains(&child.keyword()) {
@@ -62,28 +77,80 @@ impl Compiler<'_> {
         }
         // As after a group, the material stays in force.
         (state.material, state.material_failed) = (inner.material, inner.material_failed);
-        let solid = self.solid_of(item, operation, has_own, &operands);
+        let solid = self.solid_of(item, operation, &operands);
         let shape = solid.and_then(|solid| self.shape(item, solid));
-        if has_own {
-            self.put_made_of(own, shape, item, ctm, state);
-        } else {
-            self.put_shape(shape, item, ctm, state);
+        match material {
+            Some(own) => self.put_made_of(own, shape, item, ctm, state),
+            None => self.put_shape(shape, item, ctm, state),
         }
     }
 
-    /// The solid; why there is none is reported.
-    ///
-    /// * `has_own`: whether it has one material, whatever its operands have
-    fn solid_of(
+    /// What the block of an operation says; `None` for one that has no block, which is reported.
+    fn operation<'t>(
         &mut self,
-        item: Item<'_>,
-        operation: SetOperation,
-        has_own: bool,
-        operands: &[Operand<'_>],
-    ) -> Option<Csg> {
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<Option<Reference<'t>>>,
+    ) -> Option<Operation<'t>> {
+        let (material, children) = self.read_keys(item, |params, sources| {
+            params.name();
+            let material = read(params, sources);
+            Some((material, params.rest()))
+        })?;
+        let material = match material {
+            None => Some(None),
+            Some(None) => None,
+            Some(Some(reference)) => Some(self.material(&reference)),
+        };
+        if material.is_some() {
+            for index in children.iter().filter(|child| child.keyword() == MATERIAL_INDEX) {
+                let message = format!("this `{}` has a `material` for all its faces", item.keyword());
+                let error =
+                    Diagnostic::error(message).label(index.head_span(), "no face would have this one");
+                self.diagnostics.push(error.help("leave out `material`, or `MaterialIndex`"));
+            }
+        }
+        Some(Operation { material, children })
+    }
+
+    /// A part of another material, whatever it brings; `None` where it cannot be, which is reported.
+    pub(super) fn repainted(&mut self, part: &Part, material: MaterialId, by: Item<'_>) -> Option<Part> {
+        let PartContent::Shape(shape) = part.content else {
+            return self.report_assembly(by);
+        };
+        let content = PartContent::Shape(self.without_materials(shape, by)?);
+        Some(Part { content, material: Some(material), ..part.clone() })
+    }
+
+    /// A shape without the materials that it brings.
+    fn without_materials(&mut self, shape: ShapeId, by: Item<'_>) -> Option<ShapeId> {
+        if let Some(&known) = self.plain_shapes.get(&shape) {
+            return Some(known);
+        }
+        let plain: AnyShape = match self.scene.geometry().shapes.any(shape) {
+            AnyShape::Mesh(mesh) if !mesh.material_slots().is_empty() => mesh.of_one_material().into(),
+            AnyShape::Csg(solid) if solid.material_slots().next().is_some() => solid.of_one_material().into(),
+            _ => return Some(shape),
+        };
+        let plain = self.shape(by, plain)?;
+        if self.clear_meshes.contains(&shape) {
+            self.clear_meshes.insert(plain);
+        }
+        self.plain_shapes.insert(shape, plain);
+        Some(plain)
+    }
+
+    /// Reports an operand of which there are no parts one by one.
+    fn report_assembly<T>(&mut self, item: Item<'_>) -> Option<T> {
+        let error = Diagnostic::error("an operand has too many parts to be one");
+        self.diagnostics.push(error.label(item.head_span(), "more than are kept one by one"));
+        None
+    }
+
+    /// The solid; why there is none is reported.
+    fn solid_of(&mut self, item: Item<'_>, operation: SetOperation, operands: &[Operand<'_>]) -> Option<Csg> {
         let mut materials = operands.iter().flat_map(|operand| &operand.parts).map(|part| part.material);
         let first = materials.next().flatten();
-        let is_even = has_own || (first.is_some() && materials.all(|material| material == first));
+        let is_even = first.is_some() && materials.all(|material| material == first);
         let solids: Option<Vec<Vec<SolidPart>>> = operands
             .iter()
             .map(|operand| {
@@ -91,7 +158,6 @@ impl Compiler<'_> {
             })
             .collect();
         let error = match Csg::new(operation, &solids?) {
-            Ok(solid) if has_own => return Some(solid.of_one_material()),
             Ok(solid) => return Some(solid),
             Err(error) => error,
         };
@@ -111,9 +177,7 @@ impl Compiler<'_> {
     /// * `is_even`: whether the result has the same material everywhere, and names none by its parts
     fn solid_part(&mut self, item: Item<'_>, part: &Part, is_even: bool) -> Option<SolidPart> {
         let PartContent::Shape(shape) = part.content else {
-            let error = Diagnostic::error("an operand has too many parts to be one");
-            self.diagnostics.push(error.label(item.head_span(), "more than are kept one by one"));
-            return None;
+            return self.report_assembly(item);
         };
         let own = part.material.filter(|_| !is_even);
         let material = match own {

@@ -102,6 +102,50 @@ fn a_material_of_the_block_holds_for_all_its_faces() {
     assert_eq!(with_mesh("material green"), Some(GREEN));
 }
 
+/// A `Union` is a group, and its material that of all objects in it, whatever they bring.
+#[test]
+fn a_material_of_a_union_holds_for_all_its_objects() {
+    let head = HEAD.replace("Materials {", "Materials { Material blue { diffuseColor 0 0 1 }");
+    let assets = MemoryAssets::new().with("cube.obj", TETRAHEDRON).with("cube.mtl", "newmtl own\nKd 1 1 0\n");
+    let of = |group: &str| {
+        let mut parsed = SceneDesc::parse_str(&format!("{head}Group {{ {group} }}"));
+        let mut said = parsed.diagnostics;
+        let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut said);
+        scene.unwrap_or_else(|| panic!("{said:?}"))
+    };
+    let carved =
+        "Difference { Box { min -1 -1 -1 max 1 1 1 } MaterialIndex red Sphere { center 0 0 1 radius 0.5 } }";
+    let mesh = "TriangleMesh { file cube.obj  materials on }";
+    let objects = format!(
+        "Group {{ MaterialIndex blue {carved} }} Instance cut {{ Translate 3 0 0 }}
+         Transform {{ Translate -3 0 0 Blob {{ sphere {{ center 0 0 0 radius 1 material red }} sphere {{ center 0 0 0.1 radius 1 }} }} }}
+         Transform {{ Translate 0 3 0 {mesh} }} Union {{ material red Sphere {{ center 0 -3 0 radius 1 }} }}"
+    );
+    let places = [(0.0, 0.0), (0.8, 0.8), (3.0, 0.0), (3.8, 0.8), (-3.0, 0.0), (-0.5, 2.5), (0.0, -3.0)];
+    let colors = |scene: &Scene| places.map(|(x, y)| look(scene, x, y).map(|(_, color)| color).unwrap());
+    let define = format!("Define cut {{ MaterialIndex blue {carved} }}");
+    let without = of(&format!("{define} MaterialIndex blue Union {{ {objects} }}"));
+    let mixed = colors(&without)[4];
+    let yellow = [1.0, 1.0, 0.0];
+    assert_eq!(colors(&without), [RED, BLUE, RED, BLUE, mixed, yellow, RED]);
+    assert!([RED, BLUE].contains(&mixed), "one of the two, drawn: {mixed:?}");
+    // No other material is needed, what comes after the block has none of it, and it remains a group.
+    let beside = "Sphere { center 9 0 0 radius 0.1 }";
+    let with = of(&format!("{define} Union {{ material green {objects} }} MaterialIndex red {beside}"));
+    assert_eq!(colors(&with), [GREEN; 7]);
+    assert_eq!(with.geometry.primitives.len(), 6);
+    assert_eq!(look(&with, 9.0, 0.0), Some((0.1, RED)));
+    // In another operation it is an operand of this material, and gives way to that of what is around it.
+    let pair = "Union { material green Sphere { center 0 0 1 radius 0.5 } MESH }".replace("MESH", mesh);
+    let carves = |own: &str| {
+        of(&format!("MaterialIndex blue Difference {{ {own} Box {{ min -1 -1 -1 max 1 1 1 }} {pair} }}"))
+    };
+    let both =
+        |scene: &Scene| [(0.8, 0.8), (-0.1, -0.1)].map(|(x, y)| look(scene, x, y).map(|(_, color)| color));
+    assert_eq!(both(&carves("")), [Some(BLUE), Some(GREEN)]);
+    assert_eq!(both(&carves("material red")), [Some(RED), Some(RED)]);
+}
+
 #[test]
 fn materials_that_contradict_each_other_are_refused() {
     let ball = "Sphere { center 0 0 0 radius 1 }";
@@ -109,7 +153,10 @@ fn materials_that_contradict_each_other_are_refused() {
     assert!(said.contains("has a `material` for all its faces") && said.contains("leave out"), "{said}");
     let said = report(&format!("Merge {{ material grene {ball} }}"));
     assert!(said.contains("grene") && said.contains("did you mean `green`"), "{said}");
-    assert!(report(&format!("Union {{ material green {ball} }}")).contains("`material`"));
+    let said = report(&format!("Union {{ material green MaterialIndex red {ball} }}"));
+    assert!(said.contains("this `Union` has a `material` for all its faces"), "{said}");
+    let said = report(&format!("Union {{ material grene {ball} }}"));
+    assert!(said.contains("did you mean `green`") && !said.contains("has no material"), "{said}");
 }
 
 #[test]

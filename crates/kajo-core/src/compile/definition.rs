@@ -70,7 +70,7 @@ impl Compiler<'_> {
             there = self.moved(item, &operations, ctm);
             &mut there
         };
-        let assembly = if state.is_operand || self.is_moving() {
+        let assembly = if state.is_operand || state.of_all.is_some() || self.is_moving() {
             None
         } else {
             self.assembly_of(&name, &definition, ctm, state, item)

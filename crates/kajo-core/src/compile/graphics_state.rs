@@ -11,6 +11,8 @@ use crate::material::MaterialId;
 pub(super) struct GraphicsState {
     /// Set by `MaterialIndex`; stays in force after the group it stands in, as in the classic format.
     pub material: Option<MaterialId>,
+    /// That of all objects whatever is said of theirs: the `material` of a `Union` around them.
+    pub of_all: Option<MaterialId>,
     /// A `MaterialIndex` was wrong, which has been reported: objects without a material are no news.
     pub material_failed: bool,
     /// What has been found of a definition, while one is read: nothing in it is an object of the scene yet.

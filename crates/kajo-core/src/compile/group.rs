@@ -46,9 +46,21 @@ impl Compiler<'_> {
     }
 
     pub(super) fn group(&mut self, group: Item<'_>, ctm: &mut CurrentTransform, state: &mut GraphicsState) {
+        let children = self.children(group);
+        self.members(group, children, ctm, state);
+    }
+
+    /// Everything in a group.
+    pub(super) fn members<'t>(
+        &mut self,
+        group: Item<'t>,
+        children: Vec<Item<'t>>,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
         let mut objects = 0;
         let mut count = None;
-        for item in self.children(group) {
+        for item in children {
             match item.keyword() {
                 COUNT => count = Some(item),
                 word => {
@@ -255,6 +267,15 @@ impl Compiler<'_> {
         ctm: &mut CurrentTransform,
         state: &mut GraphicsState,
     ) {
+        let repainted;
+        let part = match state.of_all {
+            Some(material) => {
+                let Some(part) = self.repainted(part, material, by) else { return };
+                repainted = part;
+                &repainted
+            }
+            None => part,
+        };
         if let Some(parts) = &mut state.parts {
             if !ctm.is_flat() && self.may_stand(part, by, ctm) {
                 let own = part.material.or(state.material);

@@ -234,6 +234,8 @@ struct Compiler<'a> {
     meshes: mesh::MeshCache,
     /// Those whose colours have opacities.
     clear_meshes: HashSet<ShapeId>,
+    /// Of shapes that bring materials the same without.
+    plain_shapes: HashMap<ShapeId, ShapeId>,
     models: model::ModelCache,
     /// Cameras that models bring, in world space.
     model_cameras: Vec<NamedCamera>,
@@ -285,6 +287,7 @@ impl<'a> Compiler<'a> {
             measured: measured::MeasuredCache::default(),
             meshes: mesh::MeshCache::default(),
             clear_meshes: HashSet::new(),
+            plain_shapes: HashMap::new(),
             models: model::ModelCache::default(),
             model_cameras: Vec::new(),
             lacks_a_model: false,

@@ -47,7 +47,11 @@ impl<T: Copy> CornerValues<T> {
 
 /// An indexed triangle mesh with its tree. A clone is the same mesh.
 #[derive(Clone, Debug)]
-pub struct Mesh(Arc<Parts>);
+pub struct Mesh {
+    parts: Arc<Parts>,
+    /// The material of each triangle, where the mesh brings any.
+    material_slots: Option<Arc<[MaterialSlot]>>,
+}
 
 #[derive(Debug)]
 struct Parts {
@@ -57,7 +61,6 @@ struct Parts {
     uvs: Option<CornerValues<Vec2>>,
     colors: Option<CornerValues<Vec4>>,
     attributes: Option<Box<VertexAttributes>>,
-    material_slots: Option<Vec<MaterialSlot>>,
     bvh: TriangleBvh,
     closed: bool,
 }
@@ -113,18 +116,18 @@ impl Mesh {
         let attributes = (!attributes.is_empty()).then(|| Box::new(attributes));
         let bvh = TriangleBvh::build(&positions, &faces, settings)?;
         let closed = is_closed(&positions, &faces);
-        let parts = Parts { positions, faces, normals, uvs, colors, attributes, material_slots, bvh, closed };
-        Ok(Mesh(Arc::new(parts)))
+        let parts = Parts { positions, faces, normals, uvs, colors, attributes, bvh, closed };
+        Ok(Mesh { parts: Arc::new(parts), material_slots: material_slots.map(Arc::from) })
     }
 
     /// Number of triangles given.
     pub fn triangle_count(&self) -> usize {
-        self.0.faces.len()
+        self.parts.faces.len()
     }
 
     /// Number of triangles that no ray can hit, for want of area or of finite corners.
     pub fn dropped(&self) -> usize {
-        self.0.bvh.stats().dropped
+        self.parts.bvh.stats().dropped
     }
 
     /// The ends of an edge that has a triangle on one side only, or two that wind against each other, if there is one.
@@ -133,9 +136,10 @@ impl Mesh {
         let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
         let mut balance: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
         let edges = || {
-            self.0.faces.iter().flat_map(|&[a, b, c]| {
-                [(a, b), (b, c), (c, a)]
-                    .map(|(from, to)| [self.0.positions[from as usize], self.0.positions[to as usize]])
+            self.parts.faces.iter().flat_map(|&[a, b, c]| {
+                [(a, b), (b, c), (c, a)].map(|(from, to)| {
+                    [self.parts.positions[from as usize], self.parts.positions[to as usize]]
+                })
             })
         };
         for [from, to] in edges() {
@@ -150,39 +154,45 @@ impl Mesh {
 
     /// The vertices.
     pub fn positions(&self) -> &[Vec3] {
-        &self.0.positions
+        &self.parts.positions
     }
 
     /// The mesh's own material of each triangle, or [`MaterialSlot::NONE`]; none at all where it brings no materials.
     pub fn material_slots(&self) -> &[MaterialSlot] {
-        self.0.material_slots.as_deref().unwrap_or_default()
+        self.material_slots.as_deref().unwrap_or_default()
+    }
+
+    /// The same mesh without the materials that it brings.
+    #[must_use]
+    pub fn of_one_material(&self) -> Mesh {
+        Mesh { parts: self.parts.clone(), material_slots: None }
     }
 
     /// The corners of a triangle.
     pub fn triangle(&self, face: u32) -> [Vec3; 3] {
-        self.0.faces[face as usize].map(|i| self.0.positions[i as usize])
+        self.parts.faces[face as usize].map(|i| self.parts.positions[i as usize])
     }
 
     /// Whether the colours of the corners let anything show through.
     pub fn has_opacities(&self) -> bool {
-        self.0.colors.as_ref().is_some_and(|colors| colors.values.iter().any(|color| color.w < 1.0))
+        self.parts.colors.as_ref().is_some_and(|colors| colors.values.iter().any(|color| color.w < 1.0))
     }
 
     /// Texture coordinates at the corners of the triangle, if the mesh has them there.
     fn corner_uvs(&self, hit: &Hit) -> Option<[Vec2; 3]> {
-        self.0.uvs.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])
+        self.parts.uvs.as_ref()?.of(hit.part, self.parts.faces[hit.part as usize])
     }
 
     /// Interpolated unit normal, if the mesh has normals there.
     fn smooth_normal(&self, hit: &Hit) -> Option<Vec3> {
-        let [a, b, c] = self.0.normals.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
+        let [a, b, c] = self.parts.normals.as_ref()?.of(hit.part, self.parts.faces[hit.part as usize])?;
         ((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).try_normalize()
     }
 }
 
 impl Surface for Mesh {
     fn bounds(&self) -> Aabb {
-        self.0.bvh.bounds()
+        self.parts.bvh.bounds()
     }
 
     fn is_finite(&self) -> bool {
@@ -192,17 +202,17 @@ impl Surface for Mesh {
 
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.0.bvh.closest(ray)?;
+        let hit = self.parts.bvh.closest(ray)?;
         Some(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle })
     }
 
     #[inline]
     fn blocks(&self, ray: &Ray) -> bool {
-        self.0.bvh.any(ray)
+        self.parts.bvh.any(ray)
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
-        self.0.bvh.all(ray, |hit| visit(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle }));
+        self.parts.bvh.all(ray, |hit| visit(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle }));
     }
 
     fn surface_at(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
@@ -224,32 +234,32 @@ impl Surface for Mesh {
     }
 
     fn second_uv_at(&self, hit: &Hit, _p: Vec3) -> Option<Vec2> {
-        self.0.attributes.as_ref()?.second_uv(self.0.faces[hit.part as usize], hit)
+        self.parts.attributes.as_ref()?.second_uv(self.parts.faces[hit.part as usize], hit)
     }
 
     fn color_at(&self, hit: &Hit) -> Option<Vec4> {
-        let [a, b, c] = self.0.colors.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
+        let [a, b, c] = self.parts.colors.as_ref()?.of(hit.part, self.parts.faces[hit.part as usize])?;
         // Coordinates that are rounded may lie a little outside.
         Some(((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).clamp(Vec4::ZERO, Vec4::ONE))
     }
 
     fn has_colors(&self) -> bool {
-        self.0.colors.is_some()
+        self.parts.colors.is_some()
     }
 
     fn tangents_at(&self, hit: &Hit, _p: Vec3) -> Tangents {
         let corners = self.triangle(hit.part).map(|p| p.as_dvec3());
         let own =
             self.corner_uvs(hit).map_or_else(Tangents::default, |uvs| Tangents::of_triangle(corners, uvs));
-        let Some(attributes) = &self.0.attributes else { return own };
+        let Some(attributes) = &self.parts.attributes else { return own };
         let [a, b, c] = corners;
         let flat = || (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3();
         let n = self.smooth_normal(hit).unwrap_or_else(flat);
-        attributes.tangents(self.0.faces[hit.part as usize], hit, n, own)
+        attributes.tangents(self.parts.faces[hit.part as usize], hit, n, own)
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
-        for face in 0..self.0.faces.len() as u32 {
+        for face in 0..self.parts.faces.len() as u32 {
             visit(face, Patch::Triangle(self.triangle(face).map(|v| v.as_dvec3())));
         }
     }
@@ -257,11 +267,11 @@ impl Surface for Mesh {
     /// Vertices are shared as in the mesh; one with several normals is there more than once.
     fn tessellate(&self, _around: u32, out: &mut Tessellation) {
         let base = out.positions.len() as u32;
-        out.positions.extend(&self.0.positions);
+        out.positions.extend(&self.parts.positions);
         out.normals.resize(out.positions.len(), Vec3::ZERO);
-        let mut given = vec![self.0.normals.is_none(); self.0.positions.len()];
-        for (part, &face) in (0..).zip(&self.0.faces) {
-            let normals = self.0.normals.as_ref().and_then(|normals| normals.of(part, face));
+        let mut given = vec![self.parts.normals.is_none(); self.parts.positions.len()];
+        for (part, &face) in (0..).zip(&self.parts.faces) {
+            let normals = self.parts.normals.as_ref().and_then(|normals| normals.of(part, face));
             let corner = |k: usize| {
                 let (i, n) = (face[k], normals.map_or(Vec3::ZERO, |normals| normals[k]));
                 let place = (base + i) as usize;
@@ -269,7 +279,11 @@ impl Surface for Mesh {
                     given[i as usize] = true;
                     out.normals[place] = n;
                 }
-                if out.normals[place] == n { base + i } else { out.vertex(self.0.positions[i as usize], n) }
+                if out.normals[place] == n {
+                    base + i
+                } else {
+                    out.vertex(self.parts.positions[i as usize], n)
+                }
             };
             let corners = [0, 1, 2].map(corner);
             out.face(part, corners);
@@ -277,11 +291,11 @@ impl Surface for Mesh {
     }
 
     fn is_closed(&self) -> bool {
-        self.0.closed
+        self.parts.closed
     }
 
     fn part_count(&self) -> u32 {
-        self.0.faces.len() as u32
+        self.parts.faces.len() as u32
     }
 
     fn material_slot(&self, part: u32) -> Option<MaterialSlot> {
@@ -289,14 +303,14 @@ impl Surface for Mesh {
     }
 
     fn heap_bytes(&self) -> usize {
-        size_of_val(&*self.0.positions)
-            + size_of_val(&*self.0.faces)
-            + self.0.normals.as_ref().map_or(0, CornerValues::bytes)
-            + self.0.uvs.as_ref().map_or(0, CornerValues::bytes)
-            + self.0.colors.as_ref().map_or(0, CornerValues::bytes)
-            + self.0.attributes.as_ref().map_or(0, |attributes| attributes.bytes())
-            + self.0.material_slots.as_ref().map_or(0, |s| size_of_val(&**s))
-            + self.0.bvh.stats().bytes
+        size_of_val(&*self.parts.positions)
+            + size_of_val(&*self.parts.faces)
+            + self.parts.normals.as_ref().map_or(0, CornerValues::bytes)
+            + self.parts.uvs.as_ref().map_or(0, CornerValues::bytes)
+            + self.parts.colors.as_ref().map_or(0, CornerValues::bytes)
+            + self.parts.attributes.as_ref().map_or(0, |attributes| attributes.bytes())
+            + size_of_val(self.material_slots())
+            + self.parts.bvh.stats().bytes
     }
 }
 

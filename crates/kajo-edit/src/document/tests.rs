@@ -296,6 +296,74 @@ fn names_are_followed_by_references() {
     assert!(refusal(&mut d, &Edit::Rename { node: ball, name: Some("a\nb".into()) }).contains("one line"));
 }
 
+/// The `material` of a set operation is that of everything in it: references follow, and nothing is put there that it refuses.
+#[test]
+fn the_material_of_an_operation_is_that_of_all_in_it() {
+    let pair = "Union pair { material red  Cone { base 3 0 0  top 3 1 0  radius 1 }  Cylinder { base 5 0 0  top 5 1 0  radius 1 } }
+  Group { Merge { material 1  Torus { majorRadius 1  minorRadius 0.4 } } }
+  Blob { sphere { center 0 0 0  radius 1  material red } sphere { center 1 0 0  radius 1 } }
+  Sphere ball";
+    let text = SCENE.replace("Sphere ball", pair).replace("numObjects 3", "numObjects 6");
+    let text = text
+        .replace("Materials {", "Materials { Metal unused { }")
+        .replace("numMaterials 3", "numMaterials 4");
+    let text =
+        text.replace("materialIndex 1", "materialIndex 2").replace("MaterialIndex 1", "MaterialIndex 2");
+    let mut d = good(&text.replace("material 1", "material 2"));
+    let materials = |d: &Document| -> Vec<(String, u32)> {
+        let scene = d.scene().unwrap();
+        let objects = scene.geometry.objects.iter().zip(&scene.geometry.primitives);
+        objects.map(|(o, p)| (o.keyword.to_owned(), scene.appearance.number(p.material))).collect()
+    };
+    let before = materials(&d);
+    assert_eq!(before[..3], [("Cone".into(), 2), ("Cylinder".into(), 2), ("Merge".into(), 3)]);
+    // Every reference by number or name follows.
+    let metal = find(&d, "Metal");
+    d.apply(&Edit::Delete(metal)).unwrap();
+    d.compile();
+    assert!(d.text().contains("Merge { material 1 "), "{}", d.text());
+    let red = find(&d, "Matte");
+    assert!(refusal(&mut d, &Edit::Delete(red)).contains("in use"));
+    let renamed = diff(&mut d, &Edit::Rename { node: red, name: Some("rust".into()) });
+    assert!(renamed.iter().any(|line| line.starts_with("+") && line.contains("Union pair { material rust ")));
+    assert!(renamed.iter().any(|line| line.starts_with("+") && line.contains("radius 1  material rust }")));
+    // Whatever stands in it shows its material, and is painted with it.
+    let [union, cone, merge, torus] = ["Union", "Cone", "Merge", "Torus"].map(|keyword| find(&d, keyword));
+    let green = d.outline().nodes().iter().filter(|n| n.kind == Kind::Material).nth(1).unwrap().id;
+    let of = |d: &Document| [union, cone, merge, torus].map(|node| d.material_of(node));
+    assert_eq!(of(&d), [Some(red), Some(red), Some(green), Some(green)]);
+    assert!(refusal(&mut d, &Edit::Paint { node: cone, material: green }).contains("`Union`"));
+    diff(&mut d, &Edit::Paint { node: union, material: green });
+    assert_eq!(of(&d), [Some(green); 4]);
+    diff(&mut d, &Edit::Paint { node: merge, material: red });
+    assert_eq!(of(&d), [Some(green), Some(green), Some(red), Some(red)]);
+    // A group that holds one is painted with it.
+    let holder = d.node(merge).unwrap().parent.unwrap();
+    for material in [green, red] {
+        diff(&mut d, &Edit::Paint { node: holder, material });
+        assert_eq!(
+            (d.material_of(holder), d.material_of(torus)),
+            (Some(material), Some(material)),
+            "{}",
+            d.text()
+        );
+    }
+    // What is put into it needs no `MaterialIndex`, and what is taken out keeps the material.
+    let ball = find(&d, "Sphere");
+    let [was, lost] = [materials(&d).len(), 1];
+    diff(&mut d, &Edit::MoveInto { node: ball, into: merge });
+    assert_eq!((materials(&d).len(), d.material_of(ball)), (was - lost, Some(red)), "{}", d.text());
+    let disk = find(&d, "Disk");
+    let transform = d.node(disk).unwrap().parent.unwrap();
+    let group = d.node(transform).unwrap().parent.unwrap();
+    diff(&mut d, &Edit::MoveInto { node: cone, into: group });
+    assert_eq!(d.material_of(cone), Some(green), "{}", d.text());
+    diff(&mut d, &Edit::MoveInto { node: torus, into: group });
+    assert_eq!(d.material_of(torus), Some(red), "{}", d.text());
+    diff(&mut d, &Edit::Duplicate(ball));
+    assert_eq!(d.text().matches("MaterialIndex rust  Torus").count(), 1, "{}", d.text());
+}
+
 #[test]
 fn definitions_are_kept_while_they_are_used() {
     let text = SCENE.replace("numObjects 3", "numObjects 4\n  Define pin { Cone { base 0 0 0  top 0 1 0  radius 1 } }\n  MaterialIndex 1  Instance pin");

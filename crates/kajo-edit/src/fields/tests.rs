@@ -54,7 +54,8 @@ fn scene_with(block: &Block, text: &str) -> String {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Define thing {{ }} {text} }}")
         }
         Kind::Group if block.fields().next().is_some() => {
-            format!("{camera} {materials} Group {{ MaterialIndex 0 {text} }}")
+            let materials = "Materials { Matte { } Matte { } Matte { } }";
+            format!("{camera} {materials} Group {{ MaterialIndex 2 {text} }}")
         }
         Kind::Group | Kind::Define | Kind::Lights | Kind::Materials | Kind::Textures | Kind::Media => {
             format!("{camera} {text}")
@@ -270,8 +271,9 @@ fn document(folder: &Path, text: &str) -> Document {
 fn made(document: &Document) -> Option<String> {
     let scene = document.scene()?;
     let render = RenderSettings::resolve(scene, &Settings::default(), Defaults::Modern, false).unwrap();
+    let materials: Vec<_> = scene.geometry.primitives.iter().map(|object| object.material).collect();
     let world = format!(
-        "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {render:?}",
+        "{materials:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {render:?}",
         scene.geometry.shapes,
         scene.appearance.materials,
         scene.appearance.textures,

@@ -2,6 +2,7 @@
 
 use kajo_scene::Params;
 
+use super::group::OBJECT_COUNT;
 use crate::compile::fields::{Keys, Sources, keys};
 use crate::compile::material_draft::{Reference, named_material};
 use crate::compile::member::{Member, ObjectMember};
@@ -17,8 +18,12 @@ keys! {
 
 /// A group: where it is an operand, what is in any of its objects.
 pub const UNION: ObjectMember = Member {
-    block: block("Union", "objects together; as an operand, what is in any of them", &[]),
-    read: |compiler, item, ctm, state| compiler.group(item, ctm, state),
+    block: block(
+        "Union",
+        "objects together; as an operand, what is in any of them",
+        &[SetKeys::FIELDS, &[OBJECT_COUNT]],
+    ),
+    read: |compiler, item, ctm, state| compiler.union(item, read, ctm, state),
 };
 
 pub const INTERSECTION: ObjectMember = Member {

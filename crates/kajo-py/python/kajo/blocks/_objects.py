@@ -409,9 +409,26 @@ class Model(ObjectBlock):
 
 
 class Union(ObjectBlock):
-    """Objects together; as an operand, what is in any of them."""
+    """Objects together; as an operand, what is in any of them.
+
+    Args:
+        own_material: material of all its faces (name or number). Default: those of its
+            operands.
+        num_objects: how many there are, which is checked (whole number ≥ 0). Default: as many
+            as there are.
+    """
 
     keyword = "Union"
+    spelled: ClassVar[dict[str, str]] = {"own_material": "material"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        own_material: MaterialName | None = None,
+        num_objects: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.own_material = own_material
+        self.num_objects = num_objects
 
 
 class Intersection(ObjectBlock):
