@@ -55,6 +55,7 @@ mod settings;
 mod spectra;
 mod subdivision;
 mod textures;
+mod touching;
 mod transform;
 mod value_names;
 
@@ -194,6 +195,7 @@ fn compile_tree(
     let mut scene = compiler.finish(settings, group.is_some())?;
     cameras::span(&mut scene, cameras, desc, options, diagnostics);
     scale::check(&scene, diagnostics);
+    touching::check(&scene, desc, diagnostics);
     black_holes::check_cameras(&scene, diagnostics);
     (!diagnostics.has_errors()).then_some(scene)
 }

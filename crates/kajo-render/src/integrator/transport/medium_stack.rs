@@ -2,8 +2,9 @@
 //!
 //! Where objects that light passes overlap, as glass and the liquid in it do, the medium of the highest priority is
 //! there, and an interface inside a medium of higher priority than its own is not: light passes it as if it were nothing
-//! [Schmidt and Budge 2002]. Of media of equal priority the one entered last is there, or all of those that add: these are what bodies
-//! without a surface are filled with, and they add to the air too.
+//! [Schmidt and Budge 2002]. Of media of equal priority the one entered last is there, and where another one of them ends within it nothing
+//! changes; or all of those that add: these are what bodies without a surface are filled with, and they add to the air too. They have no index
+//! of refraction of their own, but that of what else is around.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::ObjectId;
@@ -203,13 +204,19 @@ impl MediumStack {
         let leaves = if enters { None } else { self.position(object) };
         let others = self.media().iter().enumerate().filter(|&(i, _)| Some(i) != leaves);
         let outside = uppermost(others.map(|(_, medium)| medium));
-        let eta_outside = outside.map_or(1.0, |outside| outside.eta);
+        let eta_outside = match outside {
+            Some(_) if self.adding != 0 => self.solid_eta(leaves),
+            outside => outside.map_or(1.0, |outside| outside.eta),
+        };
+        let is_uppermost = |outside: &Medium| {
+            outside.priority <= interior.priority && leaves.is_none_or(|i| !self.is_replaced(i))
+        };
         Interface {
             medium: Medium::of(object, interior, eta_outside),
             eta_outside,
             enters,
             adds: interior.adds,
-            is_real: outside.is_none_or(|outside| outside.priority <= interior.priority),
+            is_real: outside.is_none_or(is_uppermost),
             is_dispersive: interior.is_dispersive,
         }
     }
@@ -227,6 +234,19 @@ impl MediumStack {
     pub fn across(mut self, interface: &Interface) -> MediumStack {
         self.cross(interface);
         self
+    }
+
+    /// Whether a medium of the same priority was entered later, which took the place of an entry.
+    fn is_replaced(&self, entry: usize) -> bool {
+        let own = self.entries[entry].priority;
+        let mut later = (entry + 1..self.len as usize).filter(|i| self.adding >> i & 1 == 0);
+        later.any(|i| self.entries[i].priority == own)
+    }
+
+    /// Index of refraction of the uppermost medium that does not add, of all but one.
+    fn solid_eta(&self, but: Option<usize>) -> f32 {
+        let solid = (0..self.len as usize).filter(|&i| self.adding >> i & 1 == 0 && Some(i) != but);
+        uppermost(solid.map(|i| &self.entries[i])).map_or(1.0, |medium| medium.eta)
     }
 
     fn media(&self) -> &[Medium] {
@@ -285,6 +305,10 @@ impl MediumStack {
         let sigma_a = solid.map_or(Spectrum::BLACK, |i| self.entries[i].sigma_a);
         for i in (0..len).filter(is_there) {
             self.entries[i].sigma_a = sigma_a;
+        }
+        let eta = self.solid_eta(None);
+        for i in (0..len).filter(|i| adding >> i & 1 == 1) {
+            self.entries[i].eta = eta;
         }
         let top = self.top().map_or(self.air, |medium| medium.inside);
         let filled = self.each_medium().into_iter().filter(|&medium| medium != MaybeMedium::VACUUM);
@@ -462,6 +486,56 @@ mod tests {
         let out = in_water.interface(ObjectId::from_index(2), &water, false);
         assert!(out.is_real && out.eta_outside == 1.0);
         assert!(in_water.across(&out).absorption().is_none());
+    }
+
+    /// What ends within a medium of its own priority that was entered later has no surface there.
+    #[test]
+    fn of_equal_media_the_one_entered_last_is_there() {
+        let (glass, water) = (interior(1.5, 0), interior(1.33, 0));
+        let [first, second] = [0, 1].map(ObjectId::from_index);
+        let both = inside_of(MaybeMedium::VACUUM, &[glass, water]);
+        assert_eq!(both.eta(), 1.33);
+        let end = both.interface(first, &glass, false);
+        assert!(!end.is_real);
+        let in_water = both.across(&end);
+        assert_eq!((in_water.eta(), in_water.absorption()), (1.33, Some(water.absorption)));
+        let out = in_water.interface(second, &water, false);
+        assert!(out.is_real && out.eta_outside == 1.0);
+        // The one entered last ends at the other one.
+        let end = both.interface(second, &water, false);
+        assert!(end.is_real && end.eta_outside == 1.5);
+        assert_eq!(both.across(&end).eta(), 1.5);
+        // What adds takes no place.
+        let hazy = inside_of(MaybeMedium::VACUUM, &[glass, haze(1, 0)]);
+        assert!(hazy.interface(first, &glass, false).is_real);
+    }
+
+    /// Haze that begins in glass has the index of glass there, and that of the air behind it, whatever its priority.
+    #[test]
+    fn what_adds_has_the_index_of_what_it_is_in() {
+        let [first, second, third] = [0, 1, 2].map(ObjectId::from_index);
+        for priority in [-1, 0] {
+            let hazy = inside_of(MaybeMedium::VACUUM, &[interior(1.5, 0), haze(1, priority)]);
+            assert_eq!(hazy.eta(), 1.5);
+            let end = hazy.interface(first, &interior(1.5, 0), false);
+            assert!(end.is_real && end.eta_outside == 1.0, "{priority}: {}", end.eta_outside);
+            let behind = hazy.across(&end);
+            assert_eq!(
+                (behind.eta(), behind.interface(second, &haze(1, priority), false).eta_outside),
+                (1.0, 1.0)
+            );
+        }
+        // Water around glass, with haze that begins in both.
+        let (water, glass) = (interior(1.33, 0), interior(1.5, 1));
+        let all = inside_of(MaybeMedium::VACUUM, &[water, glass, haze(1, 0)]);
+        assert_eq!(all.eta(), 1.5);
+        let out = all.interface(second, &glass, false);
+        assert!(out.is_real && out.eta_outside == 1.33);
+        let in_water = all.across(&out);
+        assert_eq!((in_water.eta(), around(&in_water)), (1.33, vec![1]));
+        let out = in_water.interface(first, &water, false);
+        assert!(out.is_real && out.eta_outside == 1.0);
+        assert_eq!(in_water.across(&out).interface(third, &haze(1, 0), false).eta_outside, 1.0);
     }
 
     /// Media of equal priority add whatever their order is, and to the air; one of a higher priority takes their place.
