@@ -110,6 +110,12 @@ impl Scene {
         self.appearance.has_media || self.lighting.air.is_some()
     }
 
+    /// Whether light from infinitely far away comes to surfaces without end: paths from such lights meet these around all that has an end, and
+    /// not beyond.
+    pub fn lights_endless_surfaces(&self) -> bool {
+        self.geometry.has_unbounded() && self.lighting.sampler.has_infinite()
+    }
+
     /// Whether light may pass through any part of an object.
     pub(crate) fn may_transmit(&self, object: ObjectId) -> bool {
         match self.geometry.primitives.get(object.index()) {

@@ -88,6 +88,11 @@ impl LightSampler {
         self.choosable.is_empty()
     }
 
+    /// Whether any is infinitely far away.
+    pub(crate) fn has_infinite(&self) -> bool {
+        self.choosable.first().is_some_and(|&light| !self.tree.has(light))
+    }
+
     /// All lights by their indices.
     pub fn list(&self) -> &[LightId] {
         &self.list

@@ -130,6 +130,10 @@ impl Prepare for PhotonSettings {
         let notes = [
             (scene.moves(), "photons of all moments light what moves, so their light is blurred"),
             (scene.lighting.groups.len() > 1, "photon maps do not tell groups of lights apart"),
+            (
+                scene.lights_endless_surfaces(),
+                "photons from infinitely far away come to planes without end only around the other things: what a plane reflects beyond is left out",
+            ),
         ];
         notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
     }

@@ -7,6 +7,7 @@ use kajo_scene::MemoryAssets;
 use kajo_testkit::Estimate;
 
 use super::*;
+use crate::integrator::Prepare;
 use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
 use crate::{Layer, PixelIntegrator, RenderSettings, Silent};
@@ -200,6 +201,12 @@ fn what_cannot_be_is_said() {
     let ball = "Materials { Matte m { } } Group { MaterialIndex m Sphere { center 0 0 0 radius 1 } }";
     let dark = scene(&format!("{view} {ball}"));
     let lit = scene(&format!("{view} Lights {{ PointLight {{ position 0 3 3  intensity 1 1 1 }} }} {ball}"));
+    let sun = "Lights { DirectionalLight { direction 0 -1 0  color 1 1 1 } }";
+    let plane = ball.replace("Sphere", "Plane { normal 0 1 0 offset -1 } Sphere");
+    for (lights, things, is_left_out) in [(sun, &*plane, true), (sun, ball, false), ("", &*plane, false)] {
+        let notes = with(None, 5000).left_out(&scene(&format!("{view} {lights} {things}")), [4, 4]).join(" ");
+        assert_eq!(notes.contains("planes without end"), is_left_out, "{notes}");
+    }
     let made = |scene: &Scene, usage, memory| {
         let integrator = PhotonMapping::new(scene, with(usage, 5000), [4, 4], LayerSet::of(&[]));
         let made = PixelIntegrator::with_state(&integrator, 0, &Setup { memory, ..setup(0) });
@@ -212,11 +219,10 @@ fn what_cannot_be_is_said() {
     assert!(refused.contains("5000 paths") && refused.contains("`photons`"), "{refused}");
 }
 
-/// Fog of albedo 1 changes no light that is the same everywhere, thick or thin, in one colour or all, even or in clouds.
+/// Fog of albedo 1 changes no light that is the same everywhere, in one colour or all, even or in clouds.
 #[test]
 fn fog_without_absorption_leaves_an_emissive_room_as_bright_as_it_was() {
     let media = [
-        "Medium fog { sigma_s 1 1 1 }",
         "Medium fog { sigma_s 0.3 1 3  g 0.6 }",
         "FunctionMedium fog { function = 1 + x * y  sigma_s 3 2 1 }",
     ];
