@@ -158,7 +158,7 @@ fn overlapping_absorbers(draw: &mut Parameters) -> Form {
     let view = spot_meter(DVec3::new(0.1, 0.2, 9.0), DVec3::new(0.1, 0.2, 0.0));
     let materials = clear("strong", first, 2) + &clear("weak", second, 1);
     let objects = format!(
-        "MaterialIndex strong Box {{ min -1 -1 0  max 1 1 {b} }}\nMaterialIndex weak Box {{ min -1 -1 {a}  max 1 1 {c} }}"
+        "MaterialIndex strong Box {{ min -1 -1 0  max 1 1 {b} }}\nMaterialIndex weak Box {{ min -0.9 -0.9 {a}  max 0.9 0.9 {c} }}"
     );
     let share = (-first * b - second * (c - b)).exp();
     let (scene, expected) = before_a_wall(draw, &view, &materials, &objects, share);
