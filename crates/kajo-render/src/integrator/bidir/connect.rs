@@ -19,7 +19,7 @@ use kajo_core::LightIndex;
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{EmissionPdf, LightLiSample, LightPoint, Receiver, SampledLight};
 use kajo_core::sampler::SampleStream;
-use kajo_core::scene::Interaction;
+use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec3};
 
 use super::partial_mis::{PartialMis, mis_weight, square, weighted_pdf_across};
@@ -60,13 +60,60 @@ struct Join<'a> {
 }
 
 /// What comes along a segment that joins two vertices.
-struct SegmentShare {
+pub struct SegmentShare {
     /// What the medium that it starts in leaves; in scenes with participating media all that is left, over the mean density of the lanes.
-    within: Spectrum,
+    pub within: Spectrum,
     /// What holes and panes leave.
-    visible: Spectrum,
-    /// The probability of going the same way by free paths, in scenes with participating media.
-    reach: f32,
+    pub visible: Spectrum,
+    /// The probability of going the same way by free paths, in scenes with participating media; 1 in others.
+    pub reach: f32,
+}
+
+impl SegmentShare {
+    /// What comes along a segment from a vertex; `None` where nothing does.
+    ///
+    /// * `wi`, `distance`: the direction from the vertex and how far its other end is
+    ///
+    /// Takes random numbers in scenes with participating media.
+    #[inline]
+    pub fn along<'a, V: Volume<'a>>(
+        scene: &Scene,
+        z: &Vertex<'a, V>,
+        wi: Vec3,
+        distance: f32,
+        segment: &Ray,
+        with: Joining<'_, '_>,
+        observer: &mut impl PathObserver,
+    ) -> Option<SegmentShare> {
+        if let Some(volume) = z.volume.with_media() {
+            return SegmentShare::through_media(scene, segment, &volume.media[z.side(wi)], with, observer);
+        }
+        let visible = connect(scene, segment, z.eta(wi), with.wavelengths, observer);
+        let share = || SegmentShare { within: z.transmittance(wi, distance), visible, reach: 1.0 };
+        (!visible.is_black()).then(share)
+    }
+
+    /// The same through participating media.
+    ///
+    /// * `media`: around the start of the segment
+    #[inline(never)]
+    fn through_media(
+        scene: &Scene,
+        segment: &Ray,
+        media: &MediumStack,
+        with: Joining<'_, '_>,
+        observer: &mut impl PathObserver,
+    ) -> Option<SegmentShare> {
+        let wavelengths = *with.wavelengths;
+        let passage = connect_through_media(scene, segment, *media, with, observer);
+        let density = wavelengths.mean(passage.r_l);
+        let share = || SegmentShare {
+            within: passage.t * density.recip(),
+            visible: Spectrum::WHITE,
+            reach: passage.reach(&wavelengths),
+        };
+        (!passage.t.is_black() && density > 0.0).then(share)
+    }
 }
 
 impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
@@ -147,7 +194,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         };
         let is_infinite = at.is_infinite();
         let distance = if is_infinite { f32::INFINITY } else { at.p().distance(z.at.p) };
-        let Some(share) = self.along(z, wi, distance, &segment, Joining::from(path), observer) else {
+        let Some(share) =
+            SegmentShare::along(self.scene(), z, wi, distance, &segment, Joining::from(path), observer)
+        else {
             self.tell(observer, &join, &path.wavelengths, None);
             return None;
         };
@@ -201,7 +250,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y) * lanes(z), draws };
-        let Some(share) = self.along(z, wi, distance, &segment, with, observer) else {
+        let Some(share) = SegmentShare::along(self.scene(), z, wi, distance, &segment, with, observer) else {
             self.tell(observer, &join, wavelengths, None);
             return None;
         };
@@ -259,7 +308,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             followed.terminate_secondary();
         }
         let with = Joining { wavelengths: &followed, hero, r_u: lanes(y), draws };
-        let share = self.along(y, to.wi, to.distance, &segment, with, observer)?;
+        let share = SegmentShare::along(self.scene(), y, to.wi, to.distance, &segment, with, observer)?;
         // [Georgiev 2012, eq. 46 and 47]
         let arriving = weighted_pdf_across(to.pdf_across) * y.cosine(to.wi);
         let arriving = V::scaled(arriving, || share.reach * sigma_t(y));
@@ -305,7 +354,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let media = self.view.media_around(&Ray::new(o, li.wi), wavelengths);
         let with = Joining { wavelengths, hero, r_u: Spectrum::WHITE, draws };
         let share = match V::HAS_MEDIA {
-            true => self.through_media(&segment, &media, with, observer)?,
+            true => SegmentShare::through_media(scene, &segment, &media, with, observer)?,
             false => {
                 let eta = media.eta_of_segment(scene);
                 let visible = connect(scene, &segment, eta, wavelengths, observer);
@@ -348,51 +397,6 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let pdf_li = self.pdf_li(light, &Receiver { p: o, n: Vec3::ZERO, time }, end, d);
         let by_camera = V::scaled(pdf_camera, || path.state.lanes.arrival(&path.state.wavelengths));
         mis_weight(square(pdf_li / weighted_pdf_across(by_camera)), 0.0)
-    }
-
-    /// What comes along a segment from a vertex; `None` where nothing does.
-    ///
-    /// * `wi`, `distance`: the direction from the vertex and how far its other end is
-    ///
-    /// Takes random numbers in scenes with participating media.
-    #[inline]
-    fn along(
-        &self,
-        z: &Vertex<'a, V>,
-        wi: Vec3,
-        distance: f32,
-        segment: &Ray,
-        with: Joining<'_, '_>,
-        observer: &mut impl PathObserver,
-    ) -> Option<SegmentShare> {
-        if let Some(volume) = z.volume.with_media() {
-            return self.through_media(segment, &volume.media[z.side(wi)], with, observer);
-        }
-        let visible = connect(self.scene(), segment, z.eta(wi), with.wavelengths, observer);
-        let share = || SegmentShare { within: z.transmittance(wi, distance), visible, reach: 1.0 };
-        (!visible.is_black()).then(share)
-    }
-
-    /// The same through participating media.
-    ///
-    /// * `media`: around the start of the segment
-    #[inline(never)]
-    fn through_media(
-        &self,
-        segment: &Ray,
-        media: &MediumStack,
-        with: Joining<'_, '_>,
-        observer: &mut impl PathObserver,
-    ) -> Option<SegmentShare> {
-        let wavelengths = *with.wavelengths;
-        let passage = connect_through_media(self.scene(), segment, *media, with, observer);
-        let density = wavelengths.mean(passage.r_l);
-        let share = || SegmentShare {
-            within: passage.t * density.recip(),
-            visible: Spectrum::WHITE,
-            reach: passage.reach(&wavelengths),
-        };
-        (!passage.t.is_black() && density > 0.0).then(share)
     }
 
     /// Reports a segment that joins two vertices to the observer.

@@ -55,6 +55,7 @@ use crate::context::emptied;
 use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 use connect::LightEndPdf;
+pub(super) use connect::SegmentShare;
 pub(super) use light_path::ReusedVolume;
 #[cfg(test)]
 pub(super) use merge::LightVertex;

@@ -31,16 +31,16 @@ use kajo_core::bsdf::Bsdf;
 use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
-use kajo_math::{Ray, Vec3};
+use kajo_math::Vec3;
 
 use super::{Maps, NEIGHBOURS, Photons};
-use crate::integrator::bidir::{Subpath, Vertex, Volume, shade_one_way};
+use crate::integrator::bidir::{SegmentShare, Subpath, Vertex, Volume, shade_one_way};
 use crate::integrator::camera_view::RayFootprint;
 use crate::integrator::path::power_heuristic;
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
-    DrawnLight, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance, connect,
-    connect_through_media, pass_straight, sample_light,
+    DrawnLight, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance, pass_straight,
+    sample_light,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -185,7 +185,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         match (&photons.maps, role) {
             (_, Role::Direct) => {}
             (Maps::Progressive { indirect, radius, .. }, _) => {
-                self.add_disk(&path.state, z, indirect, radius.of_disk(self.footprint.at(length)));
+                self.add_disk(&path.state, z, indirect, radius.disk.at(self.footprint.at(length)));
             }
             (Maps::Fixed { caustics, .. }, Role::DirectAndCaustics) => {
                 self.add_nearest(&path.state, z, caustics)
@@ -231,7 +231,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         match &photons.maps {
             _ if role == Role::Direct => {}
             Maps::Progressive { in_media, radius, .. } => {
-                self.add_ball(&path.state, &z, in_media, radius.of_ball(self.footprint.at(length)));
+                self.add_ball(&path.state, &z, in_media, radius.ball.at(self.footprint.at(length)));
             }
             Maps::Fixed { in_media, .. } => self.add_nearest_in_ball(&path.state, &z, in_media),
         }
@@ -356,9 +356,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             Some(from) if state.connectable => {
                 let choice = self.photons.settings.light_choice;
                 let pdf_li = self.scene().pdf_li(hit.light, &from.receiver, at, d, choice);
-                // The mean of `r_u` is 1.
-                let by_light = if state.carries_media { state.mean(state.lanes.r_l) } else { 1.0 };
-                power_heuristic(from.pdf, pdf_li * by_light)
+                let reach = if state.carries_media { state.lanes.arrival(&state.wavelengths) } else { 1.0 };
+                power_heuristic(from.pdf * reach, pdf_li)
             }
             // By way of mirrors: a caustic.
             Some(from) => f32::from(u8::from(!from.has_caustics)),
@@ -408,12 +407,16 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let segment = z.at.ray_to(&at, wi, time);
         let carried = state.beta * scattered;
-        let Share { within, visible, by_light, by_scattering } = self.share(state, z, &segment, wi, &at);
-        let weight = match may_meet && !is_delta {
-            true => power_heuristic(pdf * by_light, z.pdf(z.wo, wi) * by_scattering),
-            false => 1.0,
-        };
-        let found = carried * radiance * within * visible * (weight / (pdf * by_light));
+        let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
+        let share =
+            SegmentShare::along(scene, z, wi, distance, &segment, Joining::from(state), self.observer);
+        let found = share.map_or(Spectrum::BLACK, |SegmentShare { within, visible, reach }| {
+            let weight = match may_meet && !is_delta {
+                true => power_heuristic(pdf, z.pdf(z.wo, wi) * reach),
+                false => 1.0,
+            };
+            carried * radiance * within * visible * (weight / pdf)
+        });
         let about = || About {
             eta: z.eta(wi).unwrap_or(1.0),
             weight: sensor::to_rgb(carried, &state.wavelengths),
@@ -421,44 +424,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         };
         let rgb = || sensor::to_rgb(found, &state.wavelengths);
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
-        if !visible.is_black() {
-            self.add(found, &state.wavelengths);
-        }
+        self.add(found, &state.wavelengths);
     }
-
-    /// What of the light of a light comes along a segment from a vertex.
-    fn share<V: Volume<'a>>(
-        &mut self,
-        state: &mut PathState<'_>,
-        z: &Vertex<'a, V>,
-        segment: &Ray,
-        wi: Vec3,
-        end: &LightPoint,
-    ) -> Share {
-        let scene = self.scene();
-        if let Some(volume) = z.volume.with_media() {
-            let media = volume.media[z.side(wi)];
-            let passage = connect_through_media(scene, segment, media, Joining::from(state), self.observer);
-            let [by_light, by_scattering] = [passage.r_l, passage.r_u].map(|r| state.mean(r));
-            let within = if by_light > 0.0 { passage.t } else { Spectrum::BLACK };
-            let visible = if within.is_black() { Spectrum::BLACK } else { Spectrum::WHITE };
-            return Share { within, visible, by_light: by_light.max(f32::MIN_POSITIVE), by_scattering };
-        }
-        let visible = connect(scene, segment, z.eta(wi), &state.wavelengths, self.observer);
-        let distance = if end.is_infinite() { f32::INFINITY } else { end.p().distance(z.at.p) };
-        Share { within: z.transmittance(wi, distance), visible, by_light: 1.0, by_scattering: 1.0 }
-    }
-}
-
-/// What comes along a segment that joins a vertex and a light.
-struct Share {
-    /// What the media leave.
-    within: Spectrum,
-    /// What holes and panes leave.
-    visible: Spectrum,
-    /// Densities of what was drawn along the way by this connection and by free paths, means over the lanes.
-    by_light: f32,
-    by_scattering: f32,
 }
 
 fn gather_point<'v, V: Volume<'v>>(z: &Vertex<'v, V>) -> GatherPoint {

@@ -133,16 +133,6 @@ impl Radius {
             ball: pass(world.radius * cbrt(1.0 / f64::from(paths)) as f32, cbrt(share)),
         }
     }
-
-    /// * `pixel`: size of a pixel at the surface
-    fn of_disk(&self, pixel: f32) -> f32 {
-        self.disk.at(pixel)
-    }
-
-    /// * `pixel`: size of a pixel at the point
-    fn of_ball(&self, pixel: f32) -> f32 {
-        self.ball.at(pixel)
-    }
 }
 
 /// The cube root of a positive number.
@@ -151,6 +141,7 @@ fn cbrt(x: f64) -> f64 {
 }
 
 impl RadiusOfPass {
+    /// * `pixel`: size of a pixel at the point
     fn at(&self, pixel: f32) -> f32 {
         let [least, most] = self.bounds;
         self.share * (FIRST_RADIUS * pixel).clamp(least, most)

@@ -49,7 +49,6 @@ pub struct GuidedPath<'a> {
     path: Path<'a>,
     /// The same without layers.
     plain: Path<'a>,
-    settings: PathSettings,
     /// The gain of a guide that is of use, [`LEAST_GAIN`].
     least_gain: f64,
 }
@@ -67,7 +66,6 @@ impl<'a> GuidedPath<'a> {
         GuidedPath {
             path: Path::through(camera, scene, settings, size, layers),
             plain: Path::through(camera, scene, settings, size, none),
-            settings,
             least_gain: LEAST_GAIN,
         }
     }
@@ -99,7 +97,7 @@ impl Integrator for GuidedPath<'_> {
             }
             false => None,
         };
-        let lesson = Training::new(&self.plain, visibility.as_ref(), self.settings.training, setup)
+        let lesson = Training::new(&self.plain, visibility.as_ref(), self.path.settings.training, setup)
             .learn(self.least_gain)?;
         rays += lesson.rays;
         let integrator = Box::new(Taught { path: &self.path, visibility, field: lesson.field });
@@ -344,6 +342,8 @@ impl IndirectLight for Guide<'_> {
         let Split { cell, gain } = self.forks[self.splits - 1];
         self.at = Some((cell, self.field.cells[cell as usize]));
         self.gain = gain;
+        // The branches together are worth what the path was, whatever the last one came to.
+        self.worth = Worth::Splits(1);
         if is_last {
             self.splits -= 1;
         }

@@ -224,3 +224,17 @@ fn a_guide_keeps_to_its_memory() {
         assert!(bytes as u64 <= memory.max(1 << 16), "{memory}: {bytes}");
     }
 }
+
+/// A branch is not judged by what the one before it came to.
+#[test]
+fn branches_are_worth_what_their_path_was() {
+    let field = Field::new(kajo_math::Aabb { min: Vec3::ZERO, max: Vec3::ONE });
+    let mut guide = Guide::new(&field);
+    guide.comes_to(Vec3::splat(0.5), Vec3::Z, Spectrum::WHITE);
+    guide.forks();
+    guide.comes_to_unguided();
+    assert_eq!((guide.worth(), guide.share_of_scattering()), (Worth::Unknown, None));
+    guide.takes_branch(true);
+    assert_eq!(guide.worth(), Worth::Splits(1));
+    assert!(guide.share_of_scattering().is_some());
+}
