@@ -72,8 +72,8 @@ impl Extent<'_> {
         let mut most = 0.0;
         let mut near = Vec::with_capacity(terms.len());
         for &i in terms {
-            if let Some(value) = self.terms[i as usize].most_in(self.kernel, cell) {
-                most += value;
+            if let Some(range) = self.terms[i as usize].range_in(self.kernel, cell) {
+                most += range.hi;
                 near.push(i);
             }
         }

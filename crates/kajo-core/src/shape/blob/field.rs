@@ -71,6 +71,13 @@ impl BlobKernel {
             BlobKernel::Povray => 2.0 * (u - 1.0),
         }
     }
+
+    /// Both, with one exponential where they have the same.
+    #[inline]
+    fn value_and_slope(self, u: f64) -> (f64, f64) {
+        let value = self.value(u);
+        (value, if self == BlobKernel::Gaussian { -value } else { self.slope(u) })
+    }
 }
 
 /// A component ready to be evaluated.
@@ -182,8 +189,8 @@ impl Term {
         .padded(1e-6)
     }
 
-    /// The most that it may say in a box; `None` where that is nothing.
-    pub fn most_in(&self, kernel: BlobKernel, cell: &Cell) -> Option<f64> {
+    /// The least and the most that it may say in a box; `None` where that is nothing.
+    pub fn range_in(&self, kernel: BlobKernel, cell: &Cell) -> Option<Range> {
         let [near2, far2] = match self.core {
             BlobCore::Ball(center) => cell.distances2(center),
             BlobCore::Cylinder(_) => {
@@ -201,8 +208,8 @@ impl Term {
         if nearest >= self.farthest {
             return None;
         }
-        let u = if self.adds() { nearest } else { farthest.min(self.farthest) };
-        Some(self.strength * (kernel.value(u) - self.cut))
+        let [hi, lo] = [nearest, farthest.min(self.farthest)].map(|u| kernel.value(u) - self.cut);
+        Some(Range { lo, hi }.scaled(self.strength))
     }
 
     /// The vector to `p` from what is nearest to it.
@@ -226,8 +233,8 @@ impl Term {
         if u >= self.farthest {
             return (0.0, DVec3::ZERO);
         }
-        let slope = 2.0 * self.strength * self.inverse2 * kernel.slope(u);
-        (self.strength * (kernel.value(u) - self.cut), slope * w)
+        let (value, slope) = kernel.value_and_slope(u);
+        (self.strength * (value - self.cut), 2.0 * self.strength * self.inverse2 * slope * w)
     }
 
     /// Its value and derivative along a line through `p` with direction `d`.
@@ -300,9 +307,11 @@ impl Term {
             self.least_between(o, d, [a, b], [u_a, u_b], [slope_a, slope_b])
         };
         let least = least.clamp(0.0, self.farthest);
-        let value = Range { lo: kernel.value(most) - self.cut, hi: kernel.value(least) - self.cut };
-        // Products of one that is never positive and one that rises from end to end.
-        let kernel_slope = [kernel.slope(least), kernel.slope(most)];
+        let (at_least, at_most) = (kernel.value_and_slope(least), kernel.value_and_slope(most));
+        let value = Range { lo: at_most.0 - self.cut, hi: at_least.0 - self.cut };
+        // Products of one that is never positive and one that rises from end to end; beyond where it ends it is zero.
+        let ends = u_a.max(u_b) >= self.farthest;
+        let kernel_slope = [at_least.1, if ends { 0.0 } else { at_most.1 }];
         let products = [slope_a, slope_b].map(|slope| kernel_slope.map(|k| k * slope));
         let all = products.into_iter().flatten();
         let derivative = Range {
@@ -360,16 +369,17 @@ fn tube(o: DVec3, d: DVec3, a: DVec3, b: DVec3, reach2: f64) -> Option<[f64; 2]>
     (lo < hi).then_some([lo, hi])
 }
 
-/// The sum of bounds of terms.
-pub(super) fn sum_of_bounds<'a>(
-    terms: impl Iterator<Item = &'a Term>,
+/// The sum of bounds of some of these terms.
+pub(super) fn sum_of_bounds(
+    terms: &[Term],
+    members: &[u32],
     kernel: BlobKernel,
     (o, d): (DVec3, DVec3),
     piece: [f64; 2],
 ) -> (Range, Range) {
     let mut sums = (Range::default(), Range::default());
-    for term in terms {
-        let (value, derivative) = term.bounds_along(kernel, o, d, piece);
+    for &i in members {
+        let (value, derivative) = terms[i as usize].bounds_along(kernel, o, d, piece);
         sums.0.add(value);
         sums.1.add(derivative);
     }

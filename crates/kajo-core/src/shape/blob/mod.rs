@@ -11,16 +11,19 @@
 //! Components may have materials. Their shares at a point are those of the fields that add to the sum; surface coordinates of a
 //! blob are these shares, from which [`crate::texture::SurfaceShare`] mixes the materials.
 //!
+//! What of space a surface may pass is known before anything is rendered, with the components that say anything there ([`cells`]): rays
+//! look for crossings there alone. Blobs without an end have no such parts, and are asked between the borders of all components.
+//!
 //! Along a ray each `d_i^2` is convex, so the bounds of a component on a piece of it, and of its derivative, follow from the
 //! ends. A piece whose sum cannot reach the threshold holds no crossing, one on which the derivative cannot vanish holds one
 //! or none, and any other is halved: every crossing is found, and none that is not there [Mitchell 1990].
 //!
-//! POV-Ray's kernel around balls needs no bounds: along a ray it is a quartic, and what of space a surface may pass is known
-//! before anything is rendered ([`quartic`]).
+//! POV-Ray's kernel around balls needs no bounds: along a ray it is a quartic ([`quartic`]).
 //!
 //! Scene: `Blob { threshold 0.5  sphere { center 0 0 0  radius 1 }  sphere { center 1.2 0 0  radius 1 } }`
 
 mod cell;
+mod cells;
 mod extent;
 mod field;
 mod quartic;
@@ -32,9 +35,10 @@ use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::roots::bracketed;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
+use self::cells::{CellSpan, SurfaceCells};
 use self::extent::Extent;
-use self::field::{Term, sum_of_bounds};
-use self::quartic::{QuarticCells, QuarticScratch};
+use self::field::{Range, Term, sum_of_bounds};
+use self::quartic::QuarticBalls;
 use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 pub use field::{BlobComponent, BlobCore, BlobKernel, MOST_MATERIALS};
@@ -63,8 +67,10 @@ struct Parts {
     reach: f64,
     /// More than all the strengths' rounding.
     rounding: f64,
+    /// What its surface may pass, if that has an end.
+    cells: Option<SurfaceCells>,
     /// Where the field along a ray is a quartic between the borders of components.
-    quartic: Option<QuarticCells>,
+    quartic: Option<QuarticBalls>,
     /// How many materials there are.
     materials: usize,
 }
@@ -84,11 +90,12 @@ struct Scratch {
     /// Where components begin or end to say anything.
     borders: Vec<f64>,
     /// Those that do on the piece at hand.
-    active: Vec<Term>,
+    active: Vec<u32>,
     roots: Vec<f64>,
     /// Components near a point.
     near: Vec<u32>,
-    quartic: QuarticScratch,
+    /// Pieces of a ray in cells.
+    pieces: Vec<CellSpan>,
     /// Crossings on their way to who asked for them.
     found: Vec<Hit>,
 }
@@ -135,10 +142,8 @@ impl Blob {
         let strengths: f64 = components.iter().map(|component| component.strength.abs()).sum();
         let rounding = 64.0 * f64::EPSILON * (strengths + threshold);
         let reach = if bounds.is_empty() { 0.0 } else { far.into() };
-        let quartic = match kernel {
-            BlobKernel::Povray => QuarticCells::new(&terms, threshold, bounds, rounding),
-            _ => None,
-        };
+        let cells = SurfaceCells::new(kernel, &terms, [threshold - rounding, threshold + rounding], bounds);
+        let quartic = QuarticBalls::new(kernel, &terms, threshold).filter(|_| cells.is_some());
         let materials = terms.iter().map(|term| term.material + 1).max().unwrap_or(1);
         Some(Blob(Arc::new(Parts {
             kernel,
@@ -149,6 +154,7 @@ impl Blob {
             bounds,
             reach,
             rounding,
+            cells,
             quartic,
             materials,
         })))
@@ -250,50 +256,80 @@ impl Parts {
 
     /// Visits all crossings within a ray's range, in ascending order, until `visit` says that it is enough.
     fn crossings(&self, ray: &Ray, mut visit: impl FnMut(f64) -> bool) {
-        if let Some(cells) = &self.quartic {
-            return SCRATCH.with_borrow_mut(|scratch| cells.all(ray, &mut scratch.quartic, visit));
-        }
-        let is_bounded = self.bounds.is_finite();
-        let clipped = if is_bounded { self.bounds.clip(ray) } else { Some((ray.t_min, ray.t_max)) };
-        let Some((near, far)) = clipped else { return };
-        SCRATCH.with_borrow_mut(|scratch| {
-            let line = Ray64::new(ray);
-            self.gather(ray, &line, scratch);
-            // Beyond the box nothing reaches the threshold; numbers stay finite.
-            let [lo, hi] = if is_bounded {
-                let margin = 1e-3 * f64::from(far - near) + f64::from(f32::MIN_POSITIVE);
-                let lo = f64::from(near) - if near > ray.t_min { margin } else { 0.0 };
-                let hi = f64::from(far) + if far < ray.t_max { margin } else { 0.0 };
-                [lo, hi]
-            } else {
-                let Some(ends) = between_borders(&scratch.borders, ray) else { return };
-                ends
-            };
-            scratch.borders.retain(|&t| t > lo && t < hi);
-            scratch.borders.push(hi);
-            scratch.borders.sort_unstable_by(f64::total_cmp);
-            let (mut from, mut before) = (lo, None);
-            let borders = std::mem::take(&mut scratch.borders);
-            for &to in &borders {
-                if to <= from {
-                    continue;
-                }
-                let overlaps = |passage: &&Passage| passage.from < to && passage.to > from;
-                let active = scratch.passages.iter().filter(overlaps);
-                scratch.active.clear();
-                scratch.active.extend(active.map(|passage| self.terms[passage.term as usize]));
-                let span = RaySpan { parts: self, line: &line, terms: &scratch.active };
-                let [a, b] = [from, to].map(|t| span.at(t).0);
-                // At borders components that begin or end are zero but for rounding, which must not hide a crossing.
-                let a = before.unwrap_or(a);
-                span.isolate([from, to], [a, b], &mut scratch.roots);
-                if scratch.roots.drain(..).any(&mut visit) {
-                    break;
-                }
-                (from, before) = (to, Some(b));
+        SCRATCH.with_borrow_mut(|scratch| match &self.cells {
+            Some(cells) => {
+                let mut pieces = std::mem::take(&mut scratch.pieces);
+                cells.each(ray, &mut pieces, |members, line, piece| {
+                    self.cross(members, line, piece, scratch, &mut visit)
+                });
+                scratch.pieces = pieces;
             }
-            scratch.borders = borders;
+            None => self.crossings_without_end(ray, scratch, &mut visit),
         });
+    }
+
+    /// The first crossing within a ray's range on a piece of it on which these components alone say anything.
+    #[inline(always)]
+    fn first_in(
+        &self,
+        ray: &Ray,
+        (members, line, piece): (&[u32], &Ray64, [f64; 2]),
+        scratch: &mut Scratch,
+    ) -> Option<f32> {
+        let mut first = None;
+        self.cross(members, line, piece, scratch, &mut |t| {
+            first = in_range(ray, t);
+            first.is_some()
+        });
+        first
+    }
+
+    /// Visits the crossings on a piece of a line on which these components alone say anything, in ascending order, until `visit` says
+    /// that it is enough; whether it did.
+    #[inline(always)]
+    fn cross(
+        &self,
+        members: &[u32],
+        line: &Ray64,
+        piece: [f64; 2],
+        scratch: &mut Scratch,
+        visit: &mut impl FnMut(f64) -> bool,
+    ) -> bool {
+        match &self.quartic {
+            Some(balls) => balls.cross(members, line, piece, &mut scratch.borders, visit),
+            None => {
+                RaySpan { parts: self, line, members }.isolate_all(piece, &mut scratch.roots);
+                scratch.roots.drain(..).any(visit)
+            }
+        }
+    }
+
+    /// [`Parts::crossings`] of a blob without an end, piece by piece between the borders of components.
+    fn crossings_without_end(&self, ray: &Ray, scratch: &mut Scratch, visit: &mut impl FnMut(f64) -> bool) {
+        let line = Ray64::new(ray);
+        self.gather(ray, &line, scratch);
+        let Some([lo, hi]) = between_borders(&scratch.borders, ray) else { return };
+        scratch.borders.retain(|&t| t > lo && t < hi);
+        scratch.borders.push(hi);
+        scratch.borders.sort_unstable_by(f64::total_cmp);
+        let (mut from, mut before) = (lo, None);
+        for &to in &scratch.borders {
+            if to <= from {
+                continue;
+            }
+            let overlaps = |passage: &&Passage| passage.from < to && passage.to > from;
+            scratch.active.clear();
+            scratch.active.extend(scratch.passages.iter().filter(overlaps).map(|passage| passage.term));
+            let span = RaySpan { parts: self, line: &line, members: &scratch.active };
+            let [a, b] = [from, to].map(|t| span.at(t).0);
+            // At borders components that begin or end are zero but for rounding, which must not hide a crossing.
+            let a = before.unwrap_or(a);
+            span.isolate([from, to], [a, b], &mut scratch.roots);
+            if scratch.roots.drain(..).any(&mut *visit) {
+                break;
+            }
+            (from, before) = (to, Some(b));
+        }
     }
 
     /// The components that a ray passes, in their order.
@@ -330,33 +366,63 @@ fn between_borders(borders: &[f64], ray: &Ray) -> Option<[f64; 2]> {
     (lo < hi).then_some([lo, hi])
 }
 
-/// A piece of a ray on which the same components say anything.
+/// A line, and the components that say anything on a piece of it.
 struct RaySpan<'a> {
     parts: &'a Parts,
     line: &'a Ray64,
-    terms: &'a [Term],
+    members: &'a [u32],
 }
 
 impl RaySpan<'_> {
     /// The field less the threshold, and its derivative.
     fn at(&self, t: f64) -> (f64, f64) {
+        let Parts { kernel, threshold, terms, .. } = self.parts;
         let p = self.line.at(t);
-        let mut sum = (-self.parts.threshold, 0.0);
-        for term in self.terms {
-            let (value, slope) = term.along(self.parts.kernel, p, self.line.d);
+        let mut sum = (-threshold, 0.0);
+        for &i in self.members {
+            let (value, slope) = terms[i as usize].along(*kernel, p, self.line.d);
             sum.0 += value;
             sum.1 += slope;
         }
         sum
     }
 
+    /// Bounds of the field and of its derivative on a piece.
+    fn bounds(&self, piece: [f64; 2]) -> (Range, Range) {
+        let Parts { kernel, terms, .. } = self.parts;
+        sum_of_bounds(terms, self.members, *kernel, (self.line.o, self.line.d), piece)
+    }
+
+    /// Whether the field is on one side of the threshold for sure.
+    fn is_away(&self, field: Range) -> bool {
+        let Parts { threshold, rounding, .. } = self.parts;
+        field.lo > threshold + rounding || field.hi < threshold - rounding
+    }
+
+    /// Adds the crossings between two parameters.
+    fn isolate_all(&self, [a, b]: [f64; 2], roots: &mut Vec<f64>) {
+        // Most pieces are passed over by this alone.
+        let bounds = self.bounds([a, b]);
+        if !self.is_away(bounds.0) {
+            self.isolate_within([a, b], [a, b].map(|t| self.at(t).0), bounds, roots);
+        }
+    }
+
     /// Adds the crossings between two parameters with these values of the field.
-    fn isolate(&self, [a, b]: [f64; 2], [at_a, at_b]: [f64; 2], roots: &mut Vec<f64>) {
-        let (value, slope) =
-            sum_of_bounds(self.terms.iter(), self.parts.kernel, (self.line.o, self.line.d), [a, b]);
-        let (threshold, rounding) = (self.parts.threshold, self.parts.rounding);
+    fn isolate(&self, piece: [f64; 2], ends: [f64; 2], roots: &mut Vec<f64>) {
+        self.isolate_within(piece, ends, self.bounds(piece), roots);
+    }
+
+    /// The same with the bounds of the field and of its derivative.
+    fn isolate_within(
+        &self,
+        [a, b]: [f64; 2],
+        [at_a, at_b]: [f64; 2],
+        (value, slope): (Range, Range),
+        roots: &mut Vec<f64>,
+    ) {
         let changes = (at_a < 0.0) != (at_b < 0.0);
-        if !changes && (value.lo > threshold + rounding || value.hi < threshold - rounding) {
+        if !changes && self.is_away(value) {
             return;
         }
         let middle = 0.5 * (a + b);
@@ -369,6 +435,11 @@ impl RaySpan<'_> {
             return;
         }
         let at_middle = self.at(middle).0;
+        // How far the field may be at the ends from what it is in the middle.
+        let change = 0.5 * (b - a) * slope.lo.abs().max(slope.hi.abs());
+        if !changes && at_middle.abs() > change + self.parts.rounding {
+            return;
+        }
         self.isolate([a, middle], [at_a, at_middle], roots);
         self.isolate([middle, b], [at_middle, at_b], roots);
     }
@@ -384,12 +455,16 @@ impl Surface for Blob {
     }
 
     fn hit(&self, ray: &Ray) -> Option<Hit> {
-        if let Some(cells) = &self.0.quartic {
-            let (t, cell) = SCRATCH.with_borrow_mut(|scratch| cells.nearest(ray, &mut scratch.quartic))?;
+        let parts = &*self.0;
+        if let Some(cells) = &parts.cells {
+            let (t, cell) = SCRATCH.with_borrow_mut(|scratch| {
+                cells
+                    .nearest(ray, |members, line, piece| parts.first_in(ray, (members, line, piece), scratch))
+            })?;
             return Some(Hit { t, u: cell as f32, ..Hit::default() });
         }
         let mut first = None;
-        self.0.crossings(ray, |t| {
+        parts.crossings(ray, |t| {
             first = in_range(ray, t).map(|t| Hit { t, ..Hit::default() });
             first.is_some()
         });
@@ -397,10 +472,13 @@ impl Surface for Blob {
     }
 
     fn blocks(&self, ray: &Ray) -> bool {
-        match &self.0.quartic {
-            Some(cells) => SCRATCH.with_borrow_mut(|scratch| cells.any(ray, &mut scratch.quartic)),
-            None => self.hit(ray).is_some(),
-        }
+        let parts = &*self.0;
+        let Some(cells) = &parts.cells else { return self.hit(ray).is_some() };
+        SCRATCH.with_borrow_mut(|scratch| {
+            cells.any(ray, |members, line, piece| {
+                parts.first_in(ray, (members, line, piece), scratch).is_some()
+            })
+        })
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
@@ -417,10 +495,10 @@ impl Surface for Blob {
     /// The point is brought onto the surface along the gradient.
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let p = Ray64::new(ray).at(hit.t.into());
-        let in_cell = self.0.quartic.as_ref().and_then(|cells| {
+        let in_cell = self.0.cells.as_ref().and_then(|cells| {
             // Where single precision takes the number for another one, that cell is not near.
             let cell = hit.u as u32;
-            descend(p, |p| cells.field_near(cell, p))
+            descend(p, |p| Some(self.0.sum_of(cells.members_near(cell, p)?, p)))
         });
         let (p, n) = in_cell.unwrap_or_else(|| self.descend_with_tree(p));
         let (p, p_error) = stored(p, self.0.reach);
@@ -494,7 +572,8 @@ impl Surface for Blob {
             + size_of_val(&*self.0.terms)
             + size_of_val(&*self.0.unbounded)
             + self.0.tree.as_ref().map_or(0, |tree| tree.stats().bytes)
-            + self.0.quartic.as_ref().map_or(0, QuarticCells::heap_bytes)
+            + self.0.cells.as_ref().map_or(0, SurfaceCells::heap_bytes)
+            + self.0.quartic.as_ref().map_or(0, QuarticBalls::heap_bytes)
     }
 }
 
