@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use kajo_math::{DVec3, Motion};
+use kajo_math::{DAffine3, DVec3, Motion};
 use kajo_scene::{Diagnostic, Diagnostics, Item, Params};
 
 use super::aim::{Aim, Subject};
@@ -12,7 +12,7 @@ use super::fields::{Keys, Sources};
 use super::lens::{Focus, LensKeys};
 use super::lorentz::Velocity;
 use super::member::keywords;
-use super::{Compiler, motion};
+use super::{Compiler, follow_path, motion};
 use crate::camera::{Camera, CameraFrame, OrthographicCamera};
 use crate::motion::{MovingTransform, Shutter};
 use crate::scene::CameraMotion;
@@ -58,16 +58,17 @@ impl<'a> Compiler<'_> {
     fn camera(&mut self, item: Item<'a>) -> Option<CameraRequest<'a>> {
         let member = MEMBERS.iter().find(|member| member.block.keyword == item.keyword())?;
         let raw_up = self.rules.raw_up;
-        let (name, keys, moves, aim, frames, own) = self.read_keys(item, |params, sources| {
+        let (name, keys, [moves, follows], aim, frames, own) = self.read_keys(item, |params, sources| {
             let name = params.name().map(Cow::into_owned);
             let keys = ShutterKeys::read(params, sources);
             let moves = params.block(motion::BLOCK.keyword);
+            let follows = params.block(follow_path::BLOCK.keyword);
             let aim = Aim::read(params, sources, member.read.other_fits);
             let is_fitted = aim.as_ref().is_some_and(|aim| aim.fit.is_some());
             let frame = aim.as_ref().map(|aim| known_frame(aim, params, raw_up));
             let own = (member.read.read)(params, sources, &CameraAim { frame, is_fitted });
             let frames = frames_at(item, sources, member.read.other_fits, raw_up);
-            Some((name, keys, moves, aim, frames, own))
+            Some((name, keys, [moves, follows], aim, frames, own))
         })?;
         let ShutterKeys { shutter, rolling: readout, velocity: Velocity(velocity), world_time } = keys?;
         let shutter = self.exposure(shutter);
@@ -77,10 +78,9 @@ impl<'a> Compiler<'_> {
         let lens = lens_keys.and_then(|keys| self.lens(keys));
         let keyed = moves.and_then(|item| self.camera_motion(item));
         let own_way = self.changing_frame(item.desc().clock(), |moment| *frames.get(moment)?);
-        let motion = match (keyed, own_way) {
-            (Some(keyed), Some(own_way)) => Some(keyed.then(&own_way)),
-            (keyed, own_way) => keyed.or(own_way),
-        };
+        let followed = follows.map(|item| self.camera_on_path(item));
+        let motion =
+            [keyed, followed, own_way].into_iter().flatten().reduce(|outer, inner| outer.then(&inner));
         // A camera moves while its own shutter is open.
         let motion = motion.map(|motion| MovingTransform::new(motion, shutter));
         let camera = camera?.with_lens(lens);
@@ -109,6 +109,13 @@ impl<'a> Compiler<'_> {
             return None;
         }
         Some(Motion::keyed(keys))
+    }
+
+    /// The motion of a camera along a path.
+    fn camera_on_path(&mut self, item: Item<'_>) -> Motion {
+        let moving = self.changing_operation(item);
+        let mut still = || follow_path::read(item, self.diagnostics).unwrap_or(DAffine3::IDENTITY);
+        moving.unwrap_or_else(|| Motion::still(still()))
     }
 }
 

@@ -18,6 +18,7 @@ mod curves;
 mod definition;
 mod extras;
 mod fields;
+mod follow_path;
 mod graphics_state;
 mod grid;
 mod group;
@@ -399,6 +400,8 @@ mod definition_tests;
 mod emission_tests;
 #[cfg(test)]
 mod empty_mesh_tests;
+#[cfg(test)]
+mod follow_path_tests;
 #[cfg(test)]
 mod measured_tests;
 #[cfg(test)]

@@ -6,7 +6,7 @@ use kajo_math::{DAffine3, KeyError, Keyframes};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
 use super::fields::{Plain, Sources};
-use super::operations;
+use super::{follow_path, operations};
 use crate::motion::Shutter;
 use crate::schema::{Around, Block, FieldSpec, FieldValue, Kind};
 
@@ -20,6 +20,9 @@ pub(super) const BLOCK: Block = Block {
     groups: &[],
     parts: &[&KEY],
 };
+
+/// The blocks that move what they stand in.
+pub(super) const BLOCKS: &[&Block] = &[&BLOCK, &follow_path::BLOCK];
 
 pub(super) const KEY: Block = Block {
     keyword: "key",

@@ -6,6 +6,7 @@
 use kajo_math::{DAffine3, DMat3, DVec3, fmath};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item};
 
+use super::follow_path::{self, FOLLOW_PATH};
 use crate::schema::{Absent, Constant, FieldKind, FieldSpec, NumberRange};
 
 /// An operation of a `Transform`.
@@ -97,14 +98,19 @@ pub(super) const FIELDS: &[FieldSpec] = &{
 pub(super) const MOTION: &str = "Motion";
 
 /// Words for operations of a `Transform`.
-pub const OPERATIONS: [&str; ALL.len()] = words();
+pub const OPERATIONS: [&str; ALL.len()] = words([]);
 
 /// Words for operations where things may move as well.
-pub(super) const MOVING_OPERATIONS: [&str; ALL.len() + 1] = words();
+pub(super) const MOVING_OPERATIONS: [&str; ALL.len() + 2] = words([MOTION, FOLLOW_PATH]);
 
-/// The words of the operations, and what is left over filled with that of motion.
-const fn words<const N: usize>() -> [&'static str; N] {
-    let mut words = [MOTION; N];
+/// The words of the operations, and then others.
+const fn words<const N: usize, const M: usize>(others: [&'static str; M]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut at = 0;
+    while at < M {
+        words[ALL.len() + at] = others[at];
+        at += 1;
+    }
     let mut i = 0;
     while i < ALL.len() {
         words[i] = FIELDS[i].key;
@@ -122,6 +128,9 @@ pub(super) fn is_from_left(item: Item<'_>) -> bool {
 ///
 /// * `by_rows`: how the numbers of `Matrix` are ordered
 pub(super) fn apply(m: DAffine3, item: Item<'_>, by_rows: bool, diagnostics: &mut Diagnostics) -> DAffine3 {
+    if item.keyword() == FOLLOW_PATH {
+        return m * follow_path::read(item, diagnostics).unwrap_or(DAffine3::IDENTITY);
+    }
     let Some(operation) = ALL.iter().find(|operation| operation.spec.key == item.keyword()) else { return m };
     let map = Args::read(item, diagnostics, |args| (operation.read)(args, by_rows));
     let map = map.unwrap_or(DAffine3::IDENTITY);
@@ -137,9 +146,6 @@ fn matrix(args: &mut Args<'_>, by_rows: bool) -> Result<DAffine3, Diagnostic> {
     };
     Ok(DAffine3::from_cols(column(0), column(1), column(2), column(3)))
 }
-
-/// Rodrigues' formula `cos I + sin [a]x + (1 - cos) a a^T`, with the axis as it stands: one
-/// that is not of unit length gives a map that is no rotation, as in the reference program.
 fn rotation([x, y, z, degrees]: [f32; 4]) -> DAffine3 {
     let (a, angle) = (DVec3::new(x.into(), y.into(), z.into()), f64::from(degrees).to_radians());
     let (sin, cos) = (fmath::sin64(angle), fmath::cos64(angle));

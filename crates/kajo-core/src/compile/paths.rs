@@ -91,6 +91,19 @@ pub(super) fn read<'t, V: ControlPoint>(
     point: impl Fn(&mut Args<'t>) -> Result<V, Diagnostic>,
 ) -> Option<Path<V>> {
     let mut params = Params::new(block, diagnostics);
+    let path = take(block, &mut params, ends, numbers, point);
+    params.finish();
+    path
+}
+
+/// The same of the items of a path in a block that says more.
+pub(super) fn take<'t, V: ControlPoint>(
+    block: Item<'t>,
+    params: &mut Params<'t, '_>,
+    ends: Ends,
+    numbers: usize,
+    point: impl Fn(&mut Args<'t>) -> Result<V, Diagnostic>,
+) -> Option<Path<V>> {
     let items = params.take(&SEGMENTS.map(|(word, _)| word));
     let mut segments = Vec::with_capacity(items.len());
     for (i, &item) in items.iter().enumerate() {
@@ -100,14 +113,13 @@ pub(super) fn read<'t, V: ControlPoint>(
             Args::read(item, params.diagnostics(), |args| points(args, segment, i == 0, numbers, &point));
         segments.push(points.map(|points| (segment, points)));
     }
-    params.finish();
     let segments: Vec<(PathSegment, Vec<V>)> = segments.into_iter().collect::<Option<_>>()?;
     let Some(start) = segments.first().and_then(|(_, points)| points.first()) else {
         if block.has_block() {
             let error = Diagnostic::error(format!("this `{}` goes nowhere", block.keyword()));
             let words = SEGMENTS.map(|(word, _)| format!("`{word}`")).join(", ");
             let help = format!("write one of {words}, and points");
-            diagnostics.push(error.label(block.keyword_span(), "no points in it").help(help));
+            params.diagnostics().push(error.label(block.keyword_span(), "no points in it").help(help));
         }
         return None;
     };

@@ -32,6 +32,11 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Part if block.keyword == "profile" => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Lathe {{ {text} }} }}")
         }
+        Kind::Part if block.keyword == "FollowPath" => {
+            format!(
+                "{camera} {materials} Group {{ MaterialIndex 0 Transform {{ {text} Sphere {{ center 0 0 0  radius 1 }} }} }}"
+            )
+        }
         Kind::Part if block.keyword == "path" => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 SphereSweep {{ {text} }} }}")
         }
@@ -131,6 +136,7 @@ fn needed(block: &Block) -> String {
         _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "Curves" => needed + "strand { points 0 0 0  1 0 0  1 1 0 } ",
         _ if ["outline", "profile"].contains(&block.keyword) => needed + "line 0 0  1 0  0 1 ",
+        _ if block.keyword == "FollowPath" => needed + "line 0 0 0  1 0 0  progress 0.7 ",
         _ if block.keyword == "path" => needed + "line 0 0 0 1  1 0 0 1 ",
         _ => needed,
     }

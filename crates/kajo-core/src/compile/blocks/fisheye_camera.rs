@@ -56,7 +56,7 @@ pub const MEMBER: CameraMember = Member {
         kind: Kind::Camera,
         about: "half of all directions or more, as a disk",
         groups: &[aim::AimKeys::FIELDS, ShutterKeys::FIELDS, FisheyeKeys::FIELDS, FIT_FIELDS],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: CameraReader { other_fits: DiskFit::WORDS, read },
 };

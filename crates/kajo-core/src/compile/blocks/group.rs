@@ -25,7 +25,7 @@ pub const INSTANCE: ObjectMember = Member {
         kind: Kind::Instance,
         about: "what was defined, put into its place",
         groups: &[operations::FIELDS],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: |compiler, item, ctm, state| compiler.instance(item, ctm, state),
 };
@@ -36,7 +36,7 @@ pub const TRANSFORM: ObjectMember = Member {
         kind: Kind::Transform,
         about: "moves, turns and scales an object or a group",
         groups: &[operations::FIELDS],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: |compiler, item, ctm, state| compiler.transform(item, ctm, state),
 };

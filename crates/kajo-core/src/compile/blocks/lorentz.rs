@@ -11,7 +11,7 @@ pub const MEMBER: ObjectMember = Member {
         kind: Kind::Transform,
         about: "objects that move nearly as fast as light, and look it",
         groups: &[LorentzKeys::FIELDS, operations::FIELDS],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: |compiler, item, ctm, state| compiler.lorentz(item, ctm, state),
 };

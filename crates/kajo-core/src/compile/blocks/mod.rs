@@ -241,7 +241,7 @@ pub(super) const MEDIUM_LIST: Block = Block {
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 20] = [
+const OTHERS: [&Block; 21] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &blob::PLANE,
@@ -261,6 +261,7 @@ const OTHERS: [&Block; 20] = [
     &group::DEFINE,
     &super::motion::BLOCK,
     &super::motion::KEY,
+    &super::follow_path::BLOCK,
     &PICTURE,
 ];
 

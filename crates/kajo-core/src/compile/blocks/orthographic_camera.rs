@@ -32,7 +32,7 @@ pub const MEMBER: CameraMember = Member {
             OrthographicKeys::FIELDS,
             LensFields::FIELDS,
         ],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: CameraReader { other_fits: &[], read },
 };

@@ -37,7 +37,7 @@ pub const MEMBER: CameraMember = Member {
         kind: Kind::Camera,
         about: "all directions, as longitude and latitude, for one eye or two",
         groups: &[aim::AimKeys::FIELDS, aim::FIT, ShutterKeys::FIELDS, PanoramaKeys::FIELDS],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: CameraReader { other_fits: &[], read },
 };

@@ -43,7 +43,7 @@ pub const MEMBER: CameraMember = Member {
             PerspectiveKeys::FIELDS,
             LensFields::FIELDS,
         ],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: CameraReader { other_fits: &[], read },
 };

@@ -30,7 +30,7 @@ pub const MEMBER: CameraMember = Member {
         kind: Kind::Camera,
         about: "all directions, as twelve squares for two eyes",
         groups: &[aim::AimKeys::FIELDS, aim::FIT, ShutterKeys::FIELDS, StereoCubemapKeys::FIELDS],
-        parts: &[&motion::BLOCK],
+        parts: motion::BLOCKS,
     },
     read: CameraReader { other_fits: &[], read },
 };

@@ -7,7 +7,7 @@ from ._cameras import FisheyeCamera, OrthographicCamera, PanoramaCamera, Perspec
 from ._light import AirLayers, BlackHole, DirectionalLight, FunctionMedium, GradientIndex, GridMedium, LinearIndex, LuneburgLens, MaxwellFishEye, Medium, PointLight, RodLens, SpotLight, TextureMedium, Wormhole
 from ._materials import AccretionDisk, BTF, Checkerboard, Glass, Interface, Marble, Material, Matte, Measured, Metal, Mix, Noise, PhongMaterial, Principled, Wood
 from ._objects import Curves, Define, Difference, DistanceGrid, Group, HeightField, Instance, Intersection, Isosurface, Lathe, Lorentz, Matrix, Matrix4f, Merge, Model, Prism, Rotate, Scale, SphereSweep, Text, Transform, Translate, TriangleMesh, UniformScale, Union, XRotate, YRotate, ZRotate
-from ._others import Animation, Background, CylinderPart, Fog, Key, Lights, Materials, Media, Motion, Outline, Path, PlanePart, Profile, Settings, Sky, SpherePart, Strand, Textures
+from ._others import Animation, Background, CylinderPart, Fog, FollowPath, Key, Lights, Materials, Media, Motion, Outline, Path, PlanePart, Profile, Settings, Sky, SpherePart, Strand, Textures
 from ._patterns_a import Agate, Brick, Cells, Checks, Clouds, Crackle, Gabor, Gradient, Granite, Hexagons, Leopard
 from ._patterns_n import Onion, Radial, Ridged, Rings, Ripples, Spiral, Timber, Turbulence, Veins, Waves, Worley, Wrinkles
 from ._picture import Picture
@@ -47,6 +47,7 @@ __all__ = [
     "DistanceGrid",
     "FisheyeCamera",
     "Fog",
+    "FollowPath",
     "Formula",
     "FunctionMedium",
     "Gabor",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from .._items import (
     Block,
@@ -479,3 +479,47 @@ class Key(PartBlock):
     """The operations that hold at a moment."""
 
     keyword = "key"
+
+
+class FollowPath(PartBlock):
+    """An operation that brings things to a point of a path and turns them along it.
+
+    Args:
+        line: goes straight from point to point (numbers in groups of 3). Default: none.
+        quadratic: quadratic Béziers by pairs of points: one each is drawn towards, and its end
+            (numbers in groups of 3). Default: none.
+        cubic: cubic Béziers by three points each: two it is drawn towards, and its end (numbers
+            in groups of 3). Default: none.
+        spline: goes smoothly through points (numbers in groups of 3). Default: none.
+        progress: how far along the path, in parts of its length (number). Default: 0.
+        forward: what of the thing points along the path (x y z). Default: 0 0 -1.
+        up: what is up, of the thing and of the world (x y z). Default: 0 1 0.
+        bank: how far the thing leans to its right, as into a curve (degrees). Default: 0.
+        turn: whether the thing is turned at all (on or off). Default: on.
+    """
+
+    keyword = "FollowPath"
+    several: ClassVar[tuple[str, ...]] = ("line","quadratic","cubic","spline",)
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        line: Sequence[Number | Vector] | None = None,
+        quadratic: Sequence[Number | Vector] | None = None,
+        cubic: Sequence[Number | Vector] | None = None,
+        spline: Sequence[Number | Vector] | None = None,
+        progress: Number | None = None,
+        forward: Vector | None = None,
+        up: Vector | None = None,
+        bank: Number | None = None,
+        turn: bool | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.line = line
+        self.quadratic = quadratic
+        self.cubic = cubic
+        self.spline = spline
+        self.progress = progress
+        self.forward = forward
+        self.up = up
+        self.bank = bank
+        self.turn = turn
