@@ -101,6 +101,8 @@ pub enum Edit {
         /// What it shall be there; `None` for what it is.
         value: Option<FieldValue>,
     },
+    /// Sets a key at the frame on show that changes nothing there, of a value or of a `Motion`.
+    InsertKey(KeyOwner),
     /// Moves keys by some frames, onto whole frames. Keys that are there already give way.
     MoveKeys {
         /// The keys, by their places in their rows.
@@ -147,6 +149,7 @@ impl Edit {
             Edit::MoveInto { .. } => "move to a group".to_owned(),
             Edit::Rewrite { .. } => "edit text".to_owned(),
             Edit::SetKey { key, .. } => format!("set a key of {key}"),
+            Edit::InsertKey(_) => "set a key".to_owned(),
             Edit::MoveKeys { keys, .. } if keys.len() == 1 => "move a key".to_owned(),
             Edit::MoveKeys { keys, .. } => format!("move {} keys", keys.len()),
             Edit::DeleteKeys(keys) if keys.len() == 1 => "delete a key".to_owned(),
@@ -185,9 +188,11 @@ impl Edit {
     /// Whether it is about keys and nothing else.
     fn is_of_keys(&self) -> bool {
         match self {
-            Edit::SetKey { .. } | Edit::MoveKeys { .. } | Edit::DeleteKeys(_) | Edit::SetKeyModes { .. } => {
-                true
-            }
+            Edit::SetKey { .. }
+            | Edit::InsertKey(_)
+            | Edit::MoveKeys { .. }
+            | Edit::DeleteKeys(_)
+            | Edit::SetKeyModes { .. } => true,
             Edit::Together(edits) => edits.iter().all(Edit::is_of_keys),
             _ => false,
         }
@@ -210,6 +215,7 @@ impl Edit {
             Edit::SetKey { node, key, nth, value } => {
                 tree.key_field(tree.node(*node)?, key, *nth, value.as_ref())
             }
+            Edit::InsertKey(owner) => tree.insert_key(owner),
             Edit::MoveKeys { keys, frames } => tree.move_keys(keys, *frames),
             Edit::DeleteKeys(keys) => tree.delete_keys(keys),
             Edit::SetKeyModes { owner, interpolation, outside } => {

@@ -290,6 +290,7 @@ fn a_value_with_keys_says_what_a_change_does() {
     let center = window.point([-1.0, 1.0, 1.0]);
     window.drag(PointerButton::Primary, center, vec2(0.0, -40.0));
     assert!(window.text().contains("keys { 0: -2 1 0  0.25: "), "{}", window.text());
+    assert_eq!(window.notice(), "A key was set at frame 7.");
 }
 
 #[test]
@@ -339,6 +340,14 @@ fn values_go_from_key_to_key_as_is_chosen() {
     window.button(row, PointerButton::Secondary, false);
     window.press("Monotone");
     assert_eq!(window.text(), scene().replace("keys step", "keys monotone"));
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    window.studio().apply(Action::ShowFrame(7));
+    window.frames(3);
+    let row = window.harness.get_by_label("Keys of ball radius").rect().center();
+    window.button(row, PointerButton::Secondary, true);
+    window.button(row, PointerButton::Secondary, false);
+    window.press("Set a key at this frame");
+    assert_eq!(window.text(), scene().replace("0: 1.5  0.5", "0: 1.5  0.25: 1.5  0.5"));
 }
 
 /// Looked at by eyes where a path is given to write it to.

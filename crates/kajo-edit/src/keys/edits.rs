@@ -255,6 +255,23 @@ impl Tree {
         Ok(vec![self.inserted_key(block, frame, &piece)])
     }
 
+    /// Sets a key at the frame on show that changes nothing there.
+    pub(crate) fn insert_key(&self, owner: &KeyOwner) -> Result<Vec<TextEdit>, EditRefused> {
+        let block = self.block_of(owner)?;
+        let frame = block.row.within(self.now());
+        if block.row.key_at(frame).is_some() {
+            return Err(EditRefused::new("there is a key at this frame already"));
+        }
+        match (&block.written, owner) {
+            (Written::Motion, KeyOwner::Motion(id)) => {
+                let node = self.outline.get(*id).ok_or_else(|| EditRefused::new("it is no longer there"))?;
+                let piece = self.motion_key_text(node, frame)?;
+                Ok(vec![self.inserted_key(&block, frame, &piece)])
+            }
+            _ => self.set_key(&block, &block.row.values_at(frame)),
+        }
+    }
+
     /// Puts the text of a key where its time asks for it.
     fn inserted_key(&self, block: &Block<'_>, frame: f64, piece: &str) -> TextEdit {
         let file = block.row.span.0;
@@ -508,7 +525,7 @@ impl Tree {
     }
 
     /// The time of a frame in seconds, with as many digits as it takes to be that of the frame.
-    fn time_text(&self, frame: f64) -> String {
+    pub(super) fn time_text(&self, frame: f64) -> String {
         let clock = self.desc.clock();
         let seconds = (frame - clock.first_frame() as f64) / clock.fps();
         let meant = clock.in_frames(seconds);
@@ -590,6 +607,6 @@ fn once(edits: Vec<TextEdit>) -> Result<Vec<TextEdit>, EditRefused> {
 }
 
 /// In the precision of scenes.
-fn single(value: f64) -> f64 {
+pub(super) fn single(value: f64) -> f64 {
     if value.fract() == 0.0 { value } else { f64::from(value as f32) }
 }

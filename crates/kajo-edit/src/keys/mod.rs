@@ -4,6 +4,7 @@
 //! gives values to, or the name that `let` gives to its value.
 
 mod edits;
+mod motion_key;
 
 use std::collections::HashSet;
 use std::ops::Range;

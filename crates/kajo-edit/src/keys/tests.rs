@@ -446,3 +446,71 @@ fn names_that_stand_for_names_are_followed_once() {
     assert!(matches!(keying("1 + time"), Keying::Fixed(_)));
     assert_eq!(keying("1 + i"), Keying::Still);
 }
+
+#[test]
+fn new_keys_of_a_motion_change_nothing_and_say_where_things_are() {
+    let motion = |keys: &str| {
+        document(&format!(
+            "Animation {{ fps 10  frames 1 30 }}\nPerspectiveCamera {{ center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }}
+Materials {{ Matte red {{ color 0.8 0.1 0.1 }} }}
+Group {{ MaterialIndex red Transform {{ Motion {{ {keys} }} Sphere {{ center 0 0 0  radius 1 }} }} }}\n"
+        ))
+    };
+    let maps = |document: &Document| {
+        let rows = document.tree.outline.nodes().iter().find(|node| &*node.keyword == MOTION).unwrap();
+        let keys: Vec<_> = document
+            .tree
+            .motion_keys(rows)
+            .map(|item| {
+                let map = kajo_core::compile::operations_matrix(item.children(), false);
+                (item.numbers().next().unwrap().0, map)
+            })
+            .collect();
+        kajo_math::Keyframes::new(&keys).unwrap()
+    };
+    for (keys, frame, expected) in [
+        ("key 0 { }  key 1 { Translate 1 0 0 }", 6, Some("key 0.5 { Translate 0.5 0 0 }")),
+        ("key 0 { }  key 1 { YRotate 90 }", 6, Some("key 0.5 { YRotate 45 }")),
+        ("key 0 { }  key 1 { YRotate -90 }", 3, Some("key 0.2 { YRotate -18 }")),
+        ("key 0 { }  key 1 { UniformScale 2 }", 21, Some("key 2 { UniformScale 2 }")),
+        ("key 1 { }  key 2 { Translate 0 1 0 }", 1, Some("key 0 { }")),
+        ("key 0 { }  key 1 { Scale 1 2 3 Translate 0 1 0 }", 6, None),
+        ("key 0 { YRotate 10 }  key 1 { Rotate 0.6 0 0.8 70  Translate 0 1 2  Scale 1 2 1 }", 4, None),
+        ("key 0 { }  key 1 { Matrix { 1 0 0 0  0.5 1 0 0  0 0 1 0  0 3 0 1 } }", 9, None),
+    ] {
+        let mut document = motion(keys);
+        document.show_frame(frame);
+        document.compile();
+        let before = maps(&document);
+        let owner = named(&document.key_rows(), "Transform motion").owner.clone();
+        let rows = named(&document.key_rows(), "Transform motion").keys.len();
+        document.apply(&Edit::InsertKey(owner.clone())).unwrap_or_else(|error| panic!("{keys}: {error}"));
+        if let Some(expected) = expected {
+            assert!(document.text().contains(expected), "{keys}: {}", document.text());
+        }
+        document.compile();
+        assert!(document.is_current(), "{}", document.report(false));
+        assert_eq!(named(&document.key_rows(), "Transform motion").keys.len(), rows + 1);
+        let after = maps(&document);
+        // Of what shears, more keys are nearer to the straight way of its size than fewer; where the key stands all is as it was.
+        let at = f64::from(frame as i32 - 1) / 10.0;
+        assert!(
+            after.at(at).abs_diff_eq(before.at(at), 1e-5),
+            "{keys}: {:?} {:?}",
+            after.at(at),
+            before.at(at)
+        );
+        let again = document.apply(&Edit::InsertKey(owner)).unwrap_err().to_string();
+        assert_eq!(again, "there is a key at this frame already");
+    }
+}
+
+#[test]
+fn new_keys_of_a_value_are_what_it_is() {
+    let mut document = document(TEXT);
+    document.show_frame(6);
+    document.compile();
+    let owner = named(&document.key_rows(), "let wide").owner.clone();
+    document.apply(&Edit::InsertKey(owner)).unwrap();
+    assert!(document.text().contains("keys { 0: 1  0.5: 1.5  1: 2 }"), "{}", document.text());
+}

@@ -130,7 +130,13 @@ fn modes(ui: &mut Ui, row: &KeyRow, actions: &mut Vec<Action>) {
 }
 
 /// What can be done to a row.
-fn menu(ui: &mut Ui, row: &KeyRow, actions: &mut Vec<Action>) {
+fn menu(ui: &mut Ui, row: &KeyRow, now: f64, actions: &mut Vec<Action>) {
+    let is_free = row.key_at(row.within(now)).is_none();
+    if ui.add_enabled(is_free, Button::new("Set a key at this frame")).clicked() {
+        actions.push(Action::InsertKey(row.owner.clone()));
+        ui.close();
+    }
+    ui.separator();
     for (name, mode) in Interpolation::NAMES {
         if ui.radio(row.interpolation == mode, capitalised(name)).clicked() {
             actions.push(Action::SetInterpolation(Some(row.owner.clone()), mode));
@@ -328,7 +334,7 @@ fn row_of_keys(ui: &mut Ui, scale: &Scale, studio: &Studio, row: &KeyRow, action
     let at = pos2(name.left() + 6.0, name.center().y);
     painter.text(at, Align2::LEFT_CENTER, &row.name, FontId::proportional(12.0), color);
     let response = response.on_hover_text(about(row));
-    response.context_menu(|ui| menu(ui, row, actions));
+    response.context_menu(|ui| menu(ui, row, scale.now, actions));
     if response.clicked()
         && let Some(node) = node
     {
@@ -361,7 +367,7 @@ fn track(
         Rect::from_x_y_ranges(scale.track.left() - MARGIN..=scale.track.right() + MARGIN, rect.y_range());
     let ground = ui.interact(all, id.with("track"), Sense::click_and_drag());
     grab(ui, &ground, scale, studio, row, actions);
-    ground.context_menu(|ui| menu(ui, row, actions));
+    ground.context_menu(|ui| menu(ui, row, scale.now, actions));
     let y = rect.center().y;
     let painter = ui.painter();
     painter.hline(scale.track.x_range(), y, Stroke::new(1.0, ui.visuals().faint_bg_color));

@@ -130,6 +130,8 @@ pub enum Action {
         /// Which of several with that key.
         nth: usize,
     },
+    /// Sets a key at the frame on show that changes nothing there.
+    InsertKey(KeyOwner),
     /// Sets keys at the frame on show for all values of what is selected that have keys.
     KeySelected,
     /// Says how the values of the rows of the chosen keys, or of this row, go from key to key.
@@ -221,6 +223,7 @@ impl Action {
                 | Action::DragKeys(_)
                 | Action::DeleteKeys
                 | Action::ToggleKey { .. }
+                | Action::InsertKey(_)
                 | Action::KeySelected
                 | Action::SetInterpolation(..)
                 | Action::SetOutside(..)

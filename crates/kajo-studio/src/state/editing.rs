@@ -222,7 +222,7 @@ impl Studio {
     pub(super) fn end_drag(&mut self) {
         self.settle();
         self.dragged = None;
-        self.grip = None;
+        self.let_go_of_handle();
         self.typing = None;
         self.time_line.chosen.let_go();
         if let Some(document) = &mut self.document {

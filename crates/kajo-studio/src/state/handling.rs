@@ -1,5 +1,6 @@
 //! Handles of what is selected, and what a drag of one does.
 
+use kajo_edit::Document;
 use kajo_edit::handles::{
     Axes, Eye, Handle, HandleLine, Mode, Snap, gizmo_of, handles_of, lines_of, pick, pivot_of,
 };
@@ -16,6 +17,8 @@ pub struct Grip {
     handle: Handle,
     /// Where it was grabbed, in pixels of the picture.
     from: DVec2,
+    /// The keys that all values had then.
+    keys: usize,
 }
 
 /// Everything about handles that is drawn.
@@ -81,12 +84,24 @@ impl Studio {
         self.end_drag();
         if let Some(document) = &mut self.document {
             document.begin_gesture(format!("drag {}", handle.about));
-            self.grip = Some(Grip { handle, from: position });
+            self.grip = Some(Grip { handle, from: position, keys: count_of_keys(document) });
+        }
+    }
+
+    /// Lets go of the handle, and says so where the drag set keys.
+    pub(super) fn let_go_of_handle(&mut self) {
+        let Some(grip) = self.grip.take() else { return };
+        let keys = self.document.as_ref().map_or(0, count_of_keys);
+        let frame = self.time_line.timing().map_or(0, |timing| timing.frame);
+        match keys.saturating_sub(grip.keys) {
+            0 => {}
+            1 => self.say(&format!("A key was set at frame {frame}."), false),
+            new => self.say(&format!("{new} keys were set at frame {frame}."), false),
         }
     }
 
     fn drag(&mut self, position: DVec2, in_steps: bool) {
-        let Some(Grip { handle, from }) = &self.grip else { return };
+        let Some(Grip { handle, from, .. }) = &self.grip else { return };
         let size = f64::from(self.bounds().extent().length());
         let snap = match in_steps {
             true => Snap { length: round_step(size / 40.0), degrees: 15.0, factor: 0.1 },
@@ -101,6 +116,11 @@ impl Studio {
     fn eye_of_handles(&self) -> Eye<'_> {
         Eye { pose: &self.camera, size: self.picture_size() }
     }
+}
+
+/// The keys of all values.
+fn count_of_keys(document: &Document) -> usize {
+    document.key_rows().iter().map(|row| row.keys.len()).sum()
 }
 
 /// The largest of 1, 2, 5 times a power of ten that is no larger.

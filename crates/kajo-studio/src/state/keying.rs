@@ -20,6 +20,7 @@ impl Studio {
                 }
             }
             Action::ToggleKey { node, key, nth } => self.toggle_key(node, key, nth),
+            Action::InsertKey(owner) => self.edit_and_say(&Edit::InsertKey(owner)),
             Action::KeySelected => self.key_selected(),
             Action::SetInterpolation(owner, interpolation) => {
                 self.set_modes(owner, Some(interpolation), None)
