@@ -11,6 +11,17 @@ pub struct Animation {
     pub frame: i64,
 }
 
+/// The animation that a model of the scene has in its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnimatedModel {
+    /// The item of the text that places the model.
+    pub item: u32,
+    /// The animation's name, if it has one.
+    pub name: Option<String>,
+    /// When it has keys, in seconds from the first frame, each later than the one before. What follows the last is said by the model.
+    pub key_times: Vec<f64>,
+}
+
 impl Animation {
     /// The frame at time 0.
     pub fn first_frame(&self) -> i64 {

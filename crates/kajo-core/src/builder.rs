@@ -193,6 +193,7 @@ impl SceneBuilder {
             rules,
             has_group: true,
             animation: None,
+            animated_models: Vec::new(),
             suited: OnceLock::new(),
         };
         self.finish_with(output)

@@ -16,7 +16,7 @@ use std::sync::{Arc, OnceLock};
 use kajo_color::Spectrum;
 use kajo_math::{Affine3, Ray};
 
-use crate::animation::Animation;
+use crate::animation::{AnimatedModel, Animation};
 use crate::background::Background;
 use crate::bsdf::Phong;
 use crate::camera::{Camera, NamedCamera};
@@ -95,6 +95,8 @@ pub struct Output {
     pub has_group: bool,
     /// Which frame of how many this is, for a scene that has any.
     pub animation: Option<Animation>,
+    /// Models that follow the frames by animations of their files.
+    pub animated_models: Vec<AnimatedModel>,
     /// Which integrator suits the scene, and why: worked out at the first question for it.
     pub suited: OnceLock<(IntegratorName, &'static str)>,
 }

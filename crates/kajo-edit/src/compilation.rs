@@ -23,7 +23,7 @@ use kajo_core::scene::Scene;
 use kajo_core::{Object, ObjectId};
 use kajo_scene::{Diagnostics, Sources, one_line, render};
 
-use super::compiled::{Compiled, Made};
+use super::compiled::{Compiled, Made, ModelRow, model_rows};
 use super::overlay::Overlay;
 use super::tree::Tree;
 use super::{Document, FileId, NodeId, SceneFile};
@@ -57,7 +57,13 @@ impl Compilation {
         };
         let made = scene.map(|scene| {
             let nodes = scene.geometry.objects.iter().map(|object| nodes_of(&tree, &object));
-            Made { generation, objects: nodes.collect(), tree: Arc::clone(&tree), scene: Arc::new(scene) }
+            Made {
+                generation,
+                objects: nodes.collect(),
+                models: model_rows(&scene, &tree).into(),
+                tree: Arc::clone(&tree),
+                scene: Arc::new(scene),
+            }
         });
         Compiled { generation: Some(generation), diagnostics, desc: Arc::new(desc), made }
     }
@@ -174,6 +180,11 @@ impl Document {
     pub fn node_of_item(&self, item: u32) -> Option<NodeId> {
         let tree = &self.compiled.made.as_ref()?.tree;
         tree.outline.at_item(item).map(|node| node.id)
+    }
+
+    /// The keys of models that follow the frames by animations of their files, as of the last good scene.
+    pub fn model_rows(&self) -> &[ModelRow] {
+        self.compiled.made.as_ref().map_or(&[], |made| &made.models)
     }
 
     /// The nodes that place an object and that describe it.

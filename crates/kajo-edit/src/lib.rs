@@ -65,7 +65,7 @@ mod unsaved;
 
 pub use command::{Applied, Edit};
 pub use compilation::Compilation;
-pub use compiled::Compiled;
+pub use compiled::{Compiled, ModelRow};
 pub use completion::{Completion, Suggestion, completion};
 pub use difference::{Hunk, hunks};
 pub use document::{Document, DocumentError};

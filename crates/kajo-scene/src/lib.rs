@@ -75,9 +75,9 @@ pub use edit::{EditError, apply_edits, format_number};
 pub use font::{FontError, GlyphContour, GlyphSegment, TextAlign, TextOutlines, TextStyle, text_outlines};
 pub use foreign::{ForeignFile, HEAD_BYTES, READ_FORMATS, foreign_file};
 pub use gltf::{
-    CoordinateSet, Model, ModelAmount, ModelCamera, ModelCover, ModelGlossiness, ModelInstance, ModelLight,
-    ModelLightKind, ModelMaterial, ModelMoment, ModelPart, ModelTint, ModelView, PictureSource, PictureUse,
-    PictureWrap, VertexColors, read_gltf, read_gltf_at,
+    CoordinateSet, Model, ModelAmount, ModelAnimation, ModelCamera, ModelCover, ModelGlossiness,
+    ModelInstance, ModelLight, ModelLightKind, ModelMaterial, ModelMoment, ModelPart, ModelTint, ModelView,
+    PictureSource, PictureUse, PictureWrap, VertexColors, read_gltf, read_gltf_at,
 };
 pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};

@@ -321,6 +321,33 @@ fn a_mark_sets_the_first_key_and_takes_it_out_again() {
     assert!(window.notice().starts_with("Nothing that is selected has keys"));
 }
 
+/// A triangle that goes to the right and back, by keys at 0, 0.5 and 1 seconds.
+const WALKER: &str = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":84,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAD8AAIA/AAAAAAAAAAAAAAAAAACAQAAAAAAAAAAAAAAAAAAAAAAAAAAA"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12},{"buffer":0,"byteOffset":48,"byteLength":36}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":3,"type":"SCALAR"},
+{"bufferView":2,"componentType":5126,"count":3,"type":"VEC3"}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],
+"animations":[{"name":"walk","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],"samplers":[{"input":1,"output":2}]}]}"#;
+
+#[test]
+fn a_models_own_keys_have_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("walker.gltf");
+    std::fs::write(&file, WALKER).unwrap();
+    let text = scene()
+        .replace("Sphere ball", &format!("Model fox {{ file {:?} }} Sphere ball", file.to_str().unwrap()));
+    let mut window = Window::with(&text, false);
+    window.settle();
+    window.frames(3);
+    window.press("Keys of fox: walk");
+    assert_eq!(window.selected(), ["Model fox"]);
+    // Where it has keys one scrubs too.
+    let row = window.harness.get_by_label("Keys of fox: walk").rect().center();
+    let at = Pos2::new(on_ruler(&mut window, 19).x, row.y);
+    window.click(at);
+    assert_eq!(frame(window.studio()), 19);
+}
+
 #[test]
 fn values_go_from_key_to_key_as_is_chosen() {
     let mut window = window();

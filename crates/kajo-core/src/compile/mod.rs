@@ -78,7 +78,7 @@ use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, P
 use self::blocks::{LIGHT_LIST, MATERIAL_LIST, MEDIUM_LIST, TEXTURE_LIST};
 use self::definition::Definition;
 use self::misplaced::misplaced;
-use crate::animation::Animation;
+use crate::animation::{AnimatedModel, Animation};
 use crate::builder::{SceneBuilder, SceneError};
 use crate::camera::NamedCamera;
 use crate::ids::MaterialSlot;
@@ -242,6 +242,8 @@ struct Compiler<'a> {
     models: model::ModelCache,
     /// Cameras that models bring, in world space.
     model_cameras: Vec<NamedCamera>,
+    /// Models that follow the frames.
+    animated_models: Vec<AnimatedModel>,
     /// Whether a model could not be read.
     lacks_a_model: bool,
 }
@@ -293,6 +295,7 @@ impl<'a> Compiler<'a> {
             plain_shapes: HashMap::new(),
             models: model::ModelCache::default(),
             model_cameras: Vec::new(),
+            animated_models: Vec::new(),
             lacks_a_model: false,
         }
     }
@@ -376,6 +379,7 @@ impl<'a> Compiler<'a> {
             rules: self.rules,
             has_group,
             animation: self.animation,
+            animated_models: self.animated_models,
             suited: OnceLock::new(),
         };
         let scene = self.scene.finish_with(output);

@@ -9,8 +9,8 @@ use std::rc::Rc;
 use kajo_math::keyed::Outside;
 use kajo_math::{Motion, Vec2, Vec3, Vec4};
 use kajo_scene::{
-    AssetFile, Corners, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelMoment,
-    ModelPart, Span, read_gltf_at,
+    AssetFile, Corners, Diagnostic, Item, Model, ModelAnimation, ModelCamera, ModelInstance, ModelLight,
+    ModelMoment, ModelPart, Span, read_gltf_at,
 };
 
 use super::Compiler;
@@ -20,6 +20,7 @@ use super::model_beads::{BeadMaterials, BeadRadii, Stored};
 use super::model_material::ModelPictures;
 use super::part::{Part, Parts};
 use super::subdivision::{ReadFaces, Subdivision};
+use crate::animation::AnimatedModel;
 use crate::ids::LightGroup;
 use crate::material::MaterialId;
 use crate::nested::PartContent;
@@ -47,6 +48,7 @@ pub(super) struct CompiledModel {
     parts: Parts,
     lights: Rc<[ModelLight]>,
     cameras: Rc<[ModelCamera]>,
+    animation: Option<Rc<ModelAnimation>>,
 }
 
 /// A model as a block asks for it.
@@ -106,6 +108,10 @@ impl Compiler<'_> {
             return;
         };
         self.place_parts(&model.parts, item, ctm, state);
+        if let Some(animation) = model.animation.filter(|_| keys.animation_time.is_none()) {
+            let ModelAnimation { name, key_times } = (*animation).clone();
+            self.animated_models.push(AnimatedModel { item: item.index(), name, key_times });
+        }
         let lights = if keys.lights { &model.lights[..] } else { &[] };
         if state.parts.is_none() {
             self.model_lights(lights, (keys.light_scale, keys.group), ctm, item);
@@ -179,7 +185,12 @@ impl Compiler<'_> {
         self.warn_of_losses([flat, triangles], loses_attributes, &key.path, at);
         let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();
-        Some(CompiledModel { parts, lights: model.lights.into(), cameras: model.cameras.into() })
+        Some(CompiledModel {
+            parts,
+            lights: model.lights.into(),
+            cameras: model.cameras.into(),
+            animation: model.animation.map(Rc::new),
+        })
     }
 
     /// What a file says, with warnings of what is left out.

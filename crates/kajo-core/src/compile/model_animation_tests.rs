@@ -82,6 +82,13 @@ fn models_move_with_the_frames() {
     assert_eq!(height(&scene("animationTime 0.75", 1), 3.0), Some(0.0));
     assert_eq!(height(&scene("animationTime (0.5 * time)", 25), 2.0), Some(0.0));
     assert!(!scene("", 13).moves());
+    // Its keys are known, where it follows the frames.
+    let known = scene("animation lift", 5).output.animated_models;
+    assert_eq!(
+        (known.len(), known[0].name.as_deref(), &*known[0].key_times),
+        (1, Some("lift"), &[0.0, 1.0][..])
+    );
+    assert!(scene("animationTime 0.5", 5).output.animated_models.is_empty());
 }
 
 #[test]

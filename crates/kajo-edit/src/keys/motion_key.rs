@@ -24,9 +24,9 @@ impl Tree {
         };
         let keys: Vec<(f64, DAffine3)> = self.motion_keys(node).filter_map(key).collect();
         let motion = Keyframes::new(&keys).map_err(|_| {
-            EditRefused::new("these keys lead from nowhere to nowhere: mend them in the text")
+            EditRefused::new("there is a mistake in the keys of this `Motion`: correct it in the text")
         })?;
-        let seconds = time.parse().map_err(|_| EditRefused::new("this is no moment"))?;
+        let seconds = time.parse().map_err(|_| EditRefused::new("this frame has no time"))?;
         let operations = operations_text(&motion.at(seconds), by_rows);
         let space = if operations.is_empty() { "" } else { " " };
         Ok(format!("{KEY} {time} {{{space}{operations} }}"))

@@ -29,6 +29,24 @@ pub struct ModelMoment {
     pub outside: Outside,
 }
 
+/// An animation of a model, and when it has keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelAnimation {
+    /// Its name, if it has one.
+    pub name: Option<String>,
+    /// Moments at which any of its channels has a key, in seconds from its beginning, each later than the one before.
+    pub key_times: Vec<f64>,
+}
+
+/// What came of posing a model.
+#[derive(Default)]
+pub(super) struct Posed {
+    /// The animation that was followed, if the model has any.
+    pub animation: Option<ModelAnimation>,
+    /// What could not be followed, one sentence each.
+    pub left_out: Vec<String>,
+}
+
 /// A property of a node, and what it is.
 enum Change {
     Translation([f64; 3]),
@@ -37,18 +55,22 @@ enum Change {
     Weights(Vec<f64>),
 }
 
-/// Puts the nodes where they are at a moment. Returns what could not be followed, one sentence each.
+/// Puts the nodes where they are at a moment.
 pub(super) fn pose(
     document: &mut Document,
     buffers: &Buffers<'_>,
     moment: &ModelMoment,
     budget: &mut Budget,
-) -> Result<Vec<String>, String> {
+) -> Result<Posed, String> {
     let Some(number) = chosen(&document.animations, moment.animation.as_deref())? else {
-        return Ok(Vec::new());
+        return Ok(Posed::default());
     };
-    let changes = changes(document, buffers, number, moment, budget);
-    let (changes, skipped) = changes.map_err(|said| format!("animations[{number}]: {said}"))?;
+    let of_animation = |said: String| format!("animations[{number}]: {said}");
+    let curves = curves(document, buffers, number, budget).map_err(of_animation)?;
+    let name = document.animations[number].name.as_deref().map(str::to_owned);
+    let animation = Some(ModelAnimation { name, key_times: key_times(&curves) });
+    let changes = changes(document, buffers, (number, &curves), moment, budget);
+    let (changes, skipped) = changes.map_err(of_animation)?;
     for (node, change) in changes {
         let node = &mut document.nodes[node];
         match change {
@@ -62,7 +84,7 @@ pub(super) fn pose(
     }
     let said =
         (skipped > 0).then(|| format!("left out: {skipped} channels of an animation that move no node"));
-    Ok(said.into_iter().collect())
+    Ok(Posed { animation, left_out: said.into_iter().collect() })
 }
 
 /// The number of the animation that is asked for; `None` where the model has none.
@@ -86,24 +108,30 @@ fn chosen(animations: &[Animation], name: Option<&str>) -> Result<Option<usize>,
     })
 }
 
+/// The samplers of an animation.
+fn curves<'d>(
+    document: &'d Document,
+    buffers: &Buffers<'_>,
+    number: usize,
+    budget: &mut Budget,
+) -> Result<Vec<Curve<'d>>, String> {
+    let samplers = document.animations[number].samplers.iter().enumerate();
+    let curve = |(i, sampler)| {
+        Curve::new(document, buffers, sampler, budget).map_err(|said| format!("samplers[{i}]: {said}"))
+    };
+    samplers.map(curve).collect()
+}
+
 /// What an animation says at a moment, each with its node, and how many channels say nothing of nodes.
 fn changes(
     document: &Document,
     buffers: &Buffers<'_>,
-    number: usize,
+    (number, curves): (usize, &[Curve<'_>]),
     moment: &ModelMoment,
     budget: &mut Budget,
 ) -> Result<(Vec<(usize, Change)>, usize), String> {
     let animation = &document.animations[number];
-    let curves: Vec<Curve<'_>> = animation
-        .samplers
-        .iter()
-        .enumerate()
-        .map(|(i, sampler)| {
-            Curve::new(document, buffers, sampler, budget).map_err(|said| format!("samplers[{i}]: {said}"))
-        })
-        .collect::<Result<_, _>>()?;
-    let time = time_within(&curves, moment);
+    let time = time_within(curves, moment);
     let (mut changes, mut skipped) = (Vec::with_capacity(animation.channels.len()), 0);
     for (i, channel) in animation.channels.iter().enumerate() {
         let named = |said: String| format!("channels[{i}]: {said}");
@@ -146,10 +174,24 @@ fn changes(
     Ok((changes, skipped))
 }
 
+/// When any of the curves has a key, in seconds from the beginning.
+fn key_times(curves: &[Curve<'_>]) -> Vec<f64> {
+    let start = first_key(curves).min(0.0);
+    let mut times: Vec<f64> = curves.iter().flat_map(|curve| &curve.times).map(|time| time - start).collect();
+    times.sort_unstable_by(f64::total_cmp);
+    times.dedup();
+    times
+}
+
+/// The first key of any curve.
+fn first_key(curves: &[Curve<'_>]) -> f64 {
+    curves.iter().map(|curve| curve.times[0]).fold(f64::INFINITY, f64::min)
+}
+
 /// The moment in the time of the animation's keys.
 fn time_within(curves: &[Curve<'_>], moment: &ModelMoment) -> f64 {
     // An animation begins with the first key of any channel and lasts up to the last one.
-    let first = curves.iter().map(|curve| curve.times[0]).fold(f64::INFINITY, f64::min);
+    let first = first_key(curves);
     let last =
         curves.iter().map(|curve| curve.times[curve.times.len() - 1]).fold(f64::NEG_INFINITY, f64::max);
     // On a grid of nanoseconds, so that frames a whole number of rounds apart are the same.

@@ -37,7 +37,7 @@ use kajo_math::DAffine3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-pub use self::animation::ModelMoment;
+pub use self::animation::{ModelAnimation, ModelMoment};
 pub use self::camera::{ModelCamera, ModelView};
 pub use self::light::{ModelLight, ModelLightKind};
 pub use self::material::{
@@ -60,6 +60,8 @@ pub struct Model {
     pub lights: Vec<ModelLight>,
     /// Cameras, likewise.
     pub cameras: Vec<ModelCamera>,
+    /// The animation that it was posed by, if it was.
+    pub animation: Option<ModelAnimation>,
     /// What the file has and nobody uses, one sentence each.
     pub left_out: Vec<String>,
 }
@@ -168,7 +170,10 @@ fn model(
     model.pictures = pictures(document, &model.materials, buffers, budget)?;
     model.left_out.extend(counts.sentences());
     model.left_out.extend(left_out(document, posed.is_none()));
-    model.left_out.extend(posed.unwrap_or_default());
+    if let Some(posed) = posed {
+        model.animation = posed.animation;
+        model.left_out.extend(posed.left_out);
+    }
     if failed > 0 {
         model.left_out.push(format!("left out: {failed} skins with joints that are not in the scene"));
     }

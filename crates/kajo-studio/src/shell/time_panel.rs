@@ -4,7 +4,7 @@ use egui::{
     Align2, Button, Color32, DragValue, FontId, Rect, Response, RichText, ScrollArea, Sense, Shape, Stroke,
     Ui, Vec2, pos2, vec2,
 };
-use kajo_edit::{Interpolation, Key, KeyRow, Outside, Timing, number_text};
+use kajo_edit::{Interpolation, Key, KeyRow, ModelRow, Outside, Timing, number_text};
 
 use super::theme;
 use super::widgets::{capitalised, choice};
@@ -64,14 +64,18 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let scale = Scale::new(ui, names, studio, &timing);
     ruler(ui, &scale, actions);
     let rows = studio.time_line.rows();
-    if rows.is_empty() {
+    let models = studio.document.as_ref().map_or(&[][..], |document| document.model_rows());
+    if rows.is_empty() && models.is_empty() {
         ui.label(RichText::new("No value of this scene has keys yet.").color(theme::quiet(ui)));
         return;
     }
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().id_salt("keys").auto_shrink(false).max_height(ui.available_height());
-    area.show_rows(ui, ROW, rows.len(), |ui, shown| {
-        rows[shown].iter().for_each(|row| row_of_keys(ui, &scale, studio, row, actions));
+    area.show_rows(ui, ROW, rows.len() + models.len(), |ui, shown| {
+        let keyed = rows.iter().skip(shown.start).take(shown.len());
+        keyed.for_each(|row| row_of_keys(ui, &scale, studio, row, actions));
+        let [first, last] = [shown.start, shown.end].map(|at| at.saturating_sub(rows.len()));
+        models[first..last].iter().for_each(|row| row_of_model(ui, &scale, studio, row, actions));
     });
 }
 
@@ -320,19 +324,7 @@ fn row_of_keys(ui: &mut Ui, scale: &Scale, studio: &Studio, row: &KeyRow, action
     let id = ui.scope_id().with(&row.owner);
     let node = row.owner.node();
     let is_chosen = node.is_some_and(|node| studio.selection.has(node));
-    let name = Rect::from_min_size(rect.min, Vec2::new(scale.names, ROW));
-    let response = ui.interact(name, id.with("name"), Sense::click());
-    response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, format!("Keys of {}", row.name)));
-    if is_chosen {
-        ui.painter().rect_filled(name, 2.0, ui.visuals().selection.bg_fill);
-    } else if response.hovered() {
-        ui.painter().rect_filled(name, 2.0, ui.visuals().faint_bg_color);
-    }
-    let color = if is_chosen { ui.visuals().selection.stroke.color } else { ui.visuals().text_color() };
-    let painter = ui.painter().with_clip_rect(name.shrink2(vec2(4.0, 0.0)).intersect(ui.clip_rect()));
-    let at = pos2(name.left() + 6.0, name.center().y);
-    painter.text(at, Align2::LEFT_CENTER, &row.name, FontId::proportional(12.0), color);
+    let response = row_name(ui, scale, (rect, id), &row.name, is_chosen);
     let response = response.on_hover_text(about(row));
     response.context_menu(|ui| menu(ui, row, scale.now, actions));
     if response.clicked()
@@ -341,6 +333,49 @@ fn row_of_keys(ui: &mut Ui, scale: &Scale, studio: &Studio, row: &KeyRow, action
         actions.push(Action::Select(vec![node]));
     }
     track(ui, scale, studio, row, rect, id, actions);
+}
+
+/// The keys of a model's own animation, which are in its file.
+fn row_of_model(ui: &mut Ui, scale: &Scale, studio: &Studio, row: &ModelRow, actions: &mut Vec<Action>) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let id = ui.scope_id().with(("model", row.node));
+    let response = row_name(ui, scale, (rect, id), &row.name, studio.selection.has(row.node));
+    let about = format!("{}: {} keys in the model's file", row.name, row.frames.len());
+    if response.on_hover_text(about).clicked() {
+        actions.push(Action::Select(vec![row.node]));
+    }
+    let all =
+        Rect::from_x_y_ranges(scale.track.left() - MARGIN..=scale.track.right() + MARGIN, rect.y_range());
+    scrub(&ui.interact(all, id.with("track"), Sense::click_and_drag()), scale, actions);
+    let (y, quiet) = (rect.center().y, theme::quiet(ui));
+    let painter = ui.painter().with_clip_rect(all.intersect(ui.clip_rect()));
+    painter.hline(scale.track.x_range(), y, Stroke::new(1.0, ui.visuals().faint_bg_color));
+    painter.vline(scale.x(scale.now), rect.y_range(), Stroke::new(1.0, theme::accent(ui)));
+    // Of many keys at one place one is drawn.
+    let mut drawn = f32::NEG_INFINITY;
+    for x in row.frames.iter().map(|&frame| scale.x(frame)) {
+        if x >= drawn + 1.0 && all.x_range().contains(x) {
+            painter.circle_stroke(pos2(x, y), 0.6 * MARK, Stroke::new(1.0, quiet));
+            drawn = x;
+        }
+    }
+}
+
+/// The name of a row, which is clicked on.
+fn row_name(ui: &Ui, scale: &Scale, (rect, id): (Rect, egui::Id), name: &str, is_chosen: bool) -> Response {
+    let place = Rect::from_min_size(rect.min, Vec2::new(scale.names, ROW));
+    let response = ui.interact(place, id.with("name"), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, format!("Keys of {name}")));
+    if is_chosen {
+        ui.painter().rect_filled(place, 2.0, ui.visuals().selection.bg_fill);
+    } else if response.hovered() {
+        ui.painter().rect_filled(place, 2.0, ui.visuals().faint_bg_color);
+    }
+    let color = if is_chosen { ui.visuals().selection.stroke.color } else { ui.visuals().text_color() };
+    let painter = ui.painter().with_clip_rect(place.shrink2(vec2(4.0, 0.0)).intersect(ui.clip_rect()));
+    let at = pos2(place.left() + 6.0, place.center().y);
+    painter.text(at, Align2::LEFT_CENTER, name, FontId::proportional(12.0), color);
+    response
 }
 
 /// What is to be known of a row.
