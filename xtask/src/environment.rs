@@ -24,7 +24,15 @@ impl Environment {
         let python =
             PYTHONS.into_iter().find(|python| steps::answers(Command::new(python).args(["-c", needs])));
         let python = python.ok_or("no Python of 3.11 or later with venv: `apt-get install python3-venv`")?;
-        let environment = Environment { folder: root.join("target/venv") };
+        Environment::of(python, root.join("target/venv"), packages)
+    }
+
+    /// The same of an interpreter, in a folder.
+    ///
+    /// # Errors
+    /// As for [`Environment::make`].
+    pub fn of(python: &str, folder: PathBuf, packages: &[&str]) -> Result<Environment, String> {
+        let environment = Environment { folder };
         let pip = environment.program("python");
         if !pip.exists() {
             run(Command::new(python).args(["-m", "venv"]).arg(&environment.folder))?;

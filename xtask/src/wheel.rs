@@ -6,12 +6,15 @@ use std::process::Command;
 
 use crate::environment::{Environment, run};
 use crate::python::PACKAGES;
-use crate::steps::{Cargo, Report};
+use crate::steps::{self, Cargo, Report};
 
 /// Most bytes that a wheel may have.
 const LARGEST: u64 = 15 << 20;
 
-/// Builds the wheel into `target/wheels`, and uses it as people do.
+/// Interpreters without a global lock, which take no wheel but one that was built for them.
+const FREE_THREADED: [&str; 4] = ["python3.15t", "python3.14t", "python3.13t", "python3t"];
+
+/// Builds the wheel into `target/wheels`, and uses it as people do; and one for an interpreter without a global lock, where there is one.
 pub fn build(root: &Path, report: &mut Report) {
     let environment = match Environment::make(root, &PACKAGES) {
         Ok(environment) => environment,
@@ -21,17 +24,37 @@ pub fn build(root: &Path, report: &mut Report) {
     if report.failed() {
         return;
     }
-    match with_maturin(root, &environment) {
-        Ok(wheel) => {
-            println!("{}", wheel.display());
-            report.add("wheel", installed(root, &environment, &wheel));
-        }
-        Err(problems) => report.add("wheel", Err(problems)),
+    report.add("wheel", built_and_used(root, &environment, None));
+    let has_no_lock = "import sys; sys.exit(sys._is_gil_enabled())";
+    let free = FREE_THREADED
+        .into_iter()
+        .find(|python| steps::answers(Command::new(python).args(["-c", has_no_lock])));
+    let name = "wheel for free-threaded Python";
+    let Some(python) = free else {
+        return report.skip(name, format!("none of {} is here", FREE_THREADED.join(", ")));
+    };
+    match Environment::of(python, root.join("target/venv-free-threaded"), &["numpy"]) {
+        Ok(users) => report.add(name, built_and_used(root, &environment, Some(&users))),
+        Err(why) => report.skip(name, why),
     }
 }
 
+/// Builds the wheel for the interpreter of an environment, and uses it there.
+///
+/// * `tools`: has maturin
+/// * `users`: whose interpreter it is for; `None` for `tools` and all that understand the same wheel
+fn built_and_used(root: &Path, tools: &Environment, users: Option<&Environment>) -> Result<(), Vec<String>> {
+    let wheel = with_maturin(root, tools, users)?;
+    println!("{}", wheel.display());
+    installed(root, users.unwrap_or(tools), &wheel)
+}
+
 /// Builds the wheel in an environment that has maturin. The program must have been built.
-fn with_maturin(root: &Path, environment: &Environment) -> Result<PathBuf, Vec<String>> {
+fn with_maturin(
+    root: &Path,
+    tools: &Environment,
+    users: Option<&Environment>,
+) -> Result<PathBuf, Vec<String>> {
     let told = |what: &str, error: std::io::Error| vec![format!("{what}: {error}")];
     let package = root.join("crates/kajo-py");
     let scripts = package.join("kajo.data/scripts");
@@ -39,10 +62,13 @@ fn with_maturin(root: &Path, environment: &Environment) -> Result<PathBuf, Vec<S
     fs::create_dir_all(&scripts).map_err(|error| told("a folder cannot be made", error))?;
     fs::copy(root.join("target/release").join(&program), scripts.join(&program))
         .map_err(|error| told("the program was not built", error))?;
-    let folder = root.join("target/wheels");
+    let folder = root.join(if users.is_some() { "target/wheels-free-threaded" } else { "target/wheels" });
     let _ = fs::remove_dir_all(&folder);
-    let mut maturin = Command::new(environment.program("maturin"));
+    let mut maturin = Command::new(tools.program("maturin"));
     maturin.args(["build", "--release", "--out"]).arg(&folder).current_dir(&package);
+    if let Some(users) = users {
+        maturin.arg("--interpreter").arg(users.program("python"));
+    }
     let status = maturin.status().map_err(|error| told("maturin did not start", error))?;
     // What was put there for it is no part of the sources.
     let _ = fs::remove_file(scripts.join(&program));

@@ -14,8 +14,11 @@ SCRIPT = """
 import json, sys, time
 sys.path = [path for path in sys.path if "target/python" not in path]
 start = time.perf_counter()
+locked = getattr(sys, "_is_gil_enabled", lambda: True)()
 import kajo
 imported = time.perf_counter() - start
+# Without a global lock it takes none back.
+assert getattr(sys, "_is_gil_enabled", lambda: True)() == locked
 scene = kajo.load("scene.txt")
 scene.render(size=(16, 16), samples=1)
 took = []
