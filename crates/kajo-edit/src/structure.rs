@@ -1,5 +1,7 @@
 //! Blocks added, copied, moved and taken out, with the counts that must agree with them.
 
+use std::ops::Range;
+
 use kajo_scene::SceneDesc;
 
 use super::fields::fields_of;
@@ -90,16 +92,24 @@ impl Tree {
     /// Puts a piece last into a block.
     fn inserted_last(&self, into: &Node, block: &str) -> Result<TextEdit, EditRefused> {
         let text = self.text(into.file);
-        let children = self.item(into).into_iter().flat_map(|item| item.children());
-        let last = children.filter(|item| self.file_of(item.span().source) == into.file).last();
-        let (at, new) = match last {
+        let (at, new) = match self.last_in_text(into) {
             // The end of what is included is not in this file.
             _ if self.ends_with_include(into) => layout::before(text, into.span.end - 1, block),
-            Some(last) => layout::after(text, &self.range(last).1, block),
+            Some(last) => layout::after(text, &last, block),
             None => layout::first_in(text, &into.span, block)
                 .ok_or_else(|| EditRefused::new(format!("`{}` has no block", into.keyword)))?,
         };
         Ok(TextEdit::insert(into.file, at, new))
+    }
+
+    /// The bytes of what stands last in a block, of what its own file has there.
+    fn last_in_text(&self, node: &Node) -> Option<Range<usize>> {
+        let children = self.item(node).into_iter().flat_map(|item| item.children());
+        children
+            .map(|item| self.range(item))
+            .filter(|(file, _)| *file == node.file)
+            .last()
+            .map(|(_, range)| range)
     }
 
     /// Whether what stands last in a block comes from another file.
@@ -222,8 +232,9 @@ impl Tree {
         if self.is_used_before_defined(node, into) {
             return refused("a definition must stand before what uses it");
         }
-        let (Some(item), Some(target)) = (self.item(node), self.item(into)) else { return Ok(Vec::new()) };
-        if target.children().last().is_some_and(|last| last.span() == item.span()) {
+        let Some(target) = self.item(into) else { return Ok(Vec::new()) };
+        // By its text: of a file included twice, and of what is repeated, it is last there as another node.
+        if !self.ends_with_include(into) && self.last_in_text(into).as_ref() == Some(&node.span) {
             return Ok(Vec::new());
         }
         let text = self.transplanted(node, into, target.next_index());
