@@ -331,13 +331,9 @@ const WALKER: &str = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":84,"
 
 #[test]
 fn a_models_own_keys_have_a_row() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("walker.gltf");
-    std::fs::write(&file, WALKER).unwrap();
-    let text = scene()
-        .replace("Sphere ball", &format!("Model fox {{ file {:?} }} Sphere ball", file.to_str().unwrap()));
-    let mut window = Window::with(&text, false);
-    window.settle();
+    let mut window = Window::empty(false);
+    std::fs::write(window.path("walker.gltf"), WALKER).unwrap();
+    window.open(&scene().replace("Sphere ball", "Model fox { file walker.gltf } Sphere ball"));
     window.frames(3);
     window.press("Keys of fox: walk");
     assert_eq!(window.selected(), ["Model fox"]);

@@ -69,12 +69,17 @@ impl Window {
 
     pub fn with(scene: &str, drawn: bool) -> Window {
         let mut window = Window::empty(drawn);
-        let path = window.path("scene.txt");
-        std::fs::write(&path, scene).unwrap();
-        window.app().studio.apply(Action::Open(path));
-        window.wait(|studio| studio.document.is_some() && !studio.is_loading());
-        window.wait(|studio| studio.scene().is_none() || studio.preview_is_current());
+        window.open(scene);
         window
+    }
+
+    /// Opens a scene, beside what is in the window's folder.
+    pub fn open(&mut self, scene: &str) {
+        let path = self.path("scene.txt");
+        std::fs::write(&path, scene).unwrap();
+        self.app().studio.apply(Action::Open(path));
+        self.wait(|studio| studio.document.is_some() && !studio.is_loading());
+        self.wait(|studio| studio.scene().is_none() || studio.preview_is_current());
     }
 
     /// A window without a scene.
