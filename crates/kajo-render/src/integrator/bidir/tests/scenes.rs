@@ -90,16 +90,22 @@ fn random_scene(i: u32) -> String {
 
 #[test]
 fn random_scenes_look_as_by_path_tracing() {
-    let samples = 1000 * effort();
     for i in 0..if effort() > 1 { 60 } else { 10 } {
         let text = random_scene(i);
         let scene = scene(&text);
         let spectral = i % 3 == 0;
-        let path = PathSettings { bounces: 4, spectral, ..PathSettings::default() };
-        let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 1);
-        let settings = BidirectionalSettings { bounces: 4, spectral, ..both() };
-        let found = mean_of(&Bidirectional::new(&scene, settings, [1, 1], LayerSet::of(&[])), samples, 1);
-        let sigma = path.standard_error.hypot(found.standard_error);
+        let both_ways = |samples: u32| {
+            let path = PathSettings { bounces: 4, spectral, ..PathSettings::default() };
+            let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 1);
+            let settings = BidirectionalSettings { bounces: 4, spectral, ..both() };
+            let found = mean_of(&Bidirectional::new(&scene, settings, [1, 1], LayerSet::of(&[])), samples, 1);
+            (path, found, path.standard_error.hypot(found.standard_error))
+        };
+        let (mut path, mut found, mut sigma) = both_ways(1000 * effort());
+        // Some of them are noisy by either way.
+        if sigma >= 0.08 * path.mean {
+            (path, found, sigma) = both_ways(8000 * effort());
+        }
         assert!((path.mean - found.mean).abs() < 4.5 * sigma, "scene {i}: {path:?} {found:?}\n{text}");
         assert!(sigma < 0.08 * path.mean, "scene {i} is too noisy: {path:?} {found:?}\n{text}");
     }
