@@ -91,7 +91,8 @@ fn tangent_is_within_a_little_more_than_an_ulp() {
 #[test]
 fn one_less_the_cosine_is_within_two_ulp() {
     let exact = |x: f64| 2.0 * sin64(0.5 * x) * sin64(0.5 * x);
-    check("one_minus_cos", 1.8, one_minus_cos, exact);
+    // Where the cosine is from 1/2 to 0.71 its ulp is two of the difference.
+    check("one_minus_cos", 2.0, one_minus_cos, exact);
 }
 
 #[test]
