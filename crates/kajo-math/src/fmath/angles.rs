@@ -67,7 +67,8 @@ pub fn one_minus_cos(x: f32) -> f32 {
     let Rest { quarters, r, low } = rest(x);
     let (half, beyond) = cos_parts(r, low);
     let (_, cos) = in_quarter(quarters, sin_near(r, low), cos_near(r, low));
-    if quarters & 3 == 0 { half - beyond } else { 1.0 - cos }
+    // Next to whole turns `low` is no small part of `r`, and its square counts.
+    if quarters & 3 == 0 { half - (beyond - 0.5 * low * low) } else { 1.0 - cos }
 }
 
 /// The size of an angle less a whole number of quarter turns.

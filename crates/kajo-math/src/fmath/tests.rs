@@ -115,6 +115,8 @@ fn angles_next_to_quarter_turns_keep_their_digits() {
             assert!(ulps(sin(x), sin64(exact)) < 1.0, "sin {x:e}");
             assert!(ulps(cos(-x), cos64(exact)) < 1.0, "cos {x:e}");
             assert!(ulps(tan(x), tan64(exact)) < 1.2, "tan {x:e}");
+            let less = 2.0 * sin64(0.5 * exact) * sin64(0.5 * exact);
+            assert!(ulps(one_minus_cos(x), less) <= 2.0, "1 - cos {x:e}");
         }
     }
 }
