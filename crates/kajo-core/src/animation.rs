@@ -1,5 +1,7 @@
 //! The frames of a scene that changes with time.
 
+use std::sync::Arc;
+
 /// What a scene says about its frames, and which of them it shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Animation {
@@ -17,9 +19,9 @@ pub struct AnimatedModel {
     /// The item of the text that places the model.
     pub item: u32,
     /// The animation's name, if it has one.
-    pub name: Option<String>,
+    pub name: Option<Arc<str>>,
     /// When it has keys, in seconds from the first frame, each later than the one before. What follows the last is said by the model.
-    pub key_times: Vec<f64>,
+    pub key_times: Arc<[f64]>,
 }
 
 impl Animation {

@@ -10,6 +10,7 @@
 //! if that is what they are, and a movement changes their numbers or inserts those that are missing. Whatever cannot be
 //! said so becomes a `Matrix`, which multiplies from the left wherever it stands.
 
+use kajo_core::compile::BLOCK_OPERATIONS;
 use kajo_math::{DAffine3, DMat3, DVec3};
 use kajo_scene::Item;
 
@@ -68,15 +69,28 @@ impl Tree {
     fn wrapped(&self, node: &Node, movement: &Movement) -> Vec<TextEdit> {
         let placed = Placed::default();
         let operations = match placed.moved(movement) {
-            Some(placed) => {
-                placed.changed(&Placed::default()).map(|(_, piece)| piece).collect::<Vec<_>>().join("  ")
-            }
+            Some(placed) => placed.text(),
             None => self.matrix(&movement.map()),
         };
         vec![
             TextEdit::insert(node.file, node.span.start, format!("Transform {{ {operations}  ")),
             TextEdit::insert(node.file, node.span.end, " }"),
         ]
+    }
+
+    /// The operations that make a map; none for the identity.
+    pub(super) fn operations_of(&self, map: &DAffine3) -> String {
+        let (scale, rotation, translation) = map.to_scale_rotation_translation();
+        let again = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
+        if !again.abs_diff_eq(map.matrix3, 1e-9 * scale.abs().max_element()) {
+            return self.matrix(map);
+        }
+        let placed =
+            Placed { translation, scale: scale.map(|factor| tidy(factor, 0.0)), ..Placed::default() };
+        match axis_and_angle(rotation) {
+            (_, degrees) if degrees < 1e-9 => placed.text(),
+            (axis, degrees) => placed.turned(axis, degrees).text(),
+        }
     }
 
     /// `Matrix` with its numbers.
@@ -134,7 +148,7 @@ impl Tree {
 
     /// The operations, if they are a translation, rotations and a scaling in this order.
     fn placed(&self, node: &Node, operations: &[Item<'_>]) -> Option<Placed> {
-        if self.outline.children(Some(node.id)).any(|child| &*child.keyword == "Motion") {
+        if self.outline.children(Some(node.id)).any(|child| BLOCK_OPERATIONS.contains(&&*child.keyword)) {
             return None;
         }
         let mut placed = Placed::default();
@@ -346,6 +360,11 @@ impl Placed {
         }
         let both = axis_and_angle(turn(axis, degrees) * turn(old_axis, old_degrees));
         Placed { first_turn: Some(both), extends_turn: true, ..self }
+    }
+
+    /// All its operations, as they are written.
+    fn text(&self) -> String {
+        self.changed(&Placed::default()).map(|(_, piece)| piece).collect::<Vec<_>>().join("  ")
     }
 
     /// The operations that differ from those of `old`, as they are written.

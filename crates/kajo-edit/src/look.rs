@@ -29,6 +29,11 @@ impl Tree {
                 format!("{} {{ center {eye}  direction {forward}  up {up}{opening} }}", pose.keyword());
             return self.add(None, &block);
         };
+        if self.outline.children(Some(camera.id)).any(|child| &*child.keyword == "FollowPath") {
+            return Err(EditRefused::new(
+                "this camera goes along its path: change `FollowPath`, or take it out",
+            ));
+        }
         let mut aim = AimEdits::of(self, camera);
         aim.place(pose)?;
         if let Some((key, value)) = opening.filter(|_| *camera.keyword == *pose.keyword()) {

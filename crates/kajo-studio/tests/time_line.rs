@@ -321,18 +321,10 @@ fn a_mark_sets_the_first_key_and_takes_it_out_again() {
     assert!(window.notice().starts_with("Nothing that is selected has keys"));
 }
 
-/// A triangle that goes to the right and back, by keys at 0, 0.5 and 1 seconds.
-const WALKER: &str = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":84,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAD8AAIA/AAAAAAAAAAAAAAAAAACAQAAAAAAAAAAAAAAAAAAAAAAAAAAA"}],
-"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12},{"buffer":0,"byteOffset":48,"byteLength":36}],
-"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":3,"type":"SCALAR"},
-{"bufferView":2,"componentType":5126,"count":3,"type":"VEC3"}],
-"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],
-"animations":[{"name":"walk","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],"samplers":[{"input":1,"output":2}]}]}"#;
-
 #[test]
 fn a_models_own_keys_have_a_row() {
     let mut window = Window::empty(false);
-    std::fs::write(window.path("walker.gltf"), WALKER).unwrap();
+    kajo_testkit::write_walker(window.folder.path(), [0.0, 0.5, 1.0]).unwrap();
     window.open(&scene().replace("Sphere ball", "Model fox { file walker.gltf } Sphere ball"));
     window.frames(3);
     window.press("Keys of fox: walk");

@@ -3,6 +3,7 @@
 //! Seeds are fixed, so each of these tests passes or fails and never flickers; what they guard against is a
 //! change that makes a result wrong, and a number that is right by chance only.
 
+pub mod animated_model;
 pub mod chi_square;
 pub mod corpus;
 pub mod delta_e;
@@ -14,6 +15,7 @@ pub mod spectrum;
 pub mod sphere;
 pub mod vdb;
 
+pub use animated_model::write_walker;
 pub use chi_square::ChiSquare;
 pub use corpus::corpus;
 pub use delta_e::{delta_e_2000, lab};

@@ -76,6 +76,11 @@ impl<'a> Compiler<'_> {
         let OwnKeys { camera, has_opening, lens: lens_keys, size } = own;
         let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));
+        if let Some(path) = follows
+            && (aim.as_ref().is_some_and(Aim::needs_scene) || focus.is_some())
+        {
+            self.diagnostics.push(explain_path(path));
+        }
         let keyed = moves.and_then(|item| self.camera_motion(item));
         let own_way = self.changing_frame(item.desc().clock(), |moment| *frames.get(moment)?);
         let followed = follows.map(|item| self.camera_on_path(item));
@@ -117,6 +122,15 @@ impl<'a> Compiler<'_> {
         let mut still = || follow_path::read(item, self.diagnostics).unwrap_or(DAffine3::IDENTITY);
         moving.unwrap_or_else(|| Motion::still(still()))
     }
+}
+
+/// What is known of the world is not known in the space of a camera on a path.
+fn explain_path(path: Item<'_>) -> Diagnostic {
+    let error =
+        Diagnostic::error("a camera on a path says by numbers where it looks, as if it stood at the origin");
+    error
+        .label(path.keyword_span(), "moves it from there")
+        .help("leave out `fit`, names of objects, and points to focus on; or let `center` and `target` change by keys")
 }
 
 /// Where a camera stands and looks at each moment of the clock; nothing for one that does not depend on the time, or whose

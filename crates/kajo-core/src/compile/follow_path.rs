@@ -48,7 +48,9 @@ pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<DAff
     let up = params.or(UP.key, DVec3::Y, direction);
     let bank = params.or(BANK.key, 0.0, Args::number);
     let turns = params.or(TURN.key, true, Args::flag);
-    if forward.cross(up).length_squared() < 1e-12 {
+    if !turns {
+        params.idle(&[FORWARD.key, UP.key, BANK.key], "with `turn off`");
+    } else if forward.cross(up).length_squared() < 1e-12 {
         params.warn(FORWARD.key, "`forward` and `up` are the same direction", "says too little");
     }
     params.finish();

@@ -139,9 +139,19 @@ fn mistakes_are_told() {
         ("line 0 0 0  1 0 0  progress 1e7", "at most 1000000"),
         ("line 0 0 0  1 0 0  forward 0 0 0", "length above zero"),
         ("line 0 0 0  1 0 0  up 0 0 -1", "the same direction"),
+        ("line 0 0 0  1 0 0  turn off  bank 20", "`bank` has no effect"),
         ("line 0 0 0  1 0 0  speed 3", "unknown word `speed`"),
     ] {
         let (_, said) = scene(still, &format!("FollowPath {{ {keys} }}"), 1);
         assert!(said.contains(words), "{keys}: {said}");
+    }
+    // What is known of the world only.
+    for camera in [
+        "fit scene",
+        "center 0 0 0  target scene",
+        "center 0 0 0  direction 0 0 -1  aperture 0.1  focus 0 0 -5",
+    ] {
+        let (scene, said) = scene(&format!("{camera}  FollowPath {{ {STRAIGHT} }}"), "", 1);
+        assert!(scene.is_none() && said.contains("says by numbers where it looks"), "{camera}: {said}");
     }
 }

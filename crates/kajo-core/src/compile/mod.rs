@@ -64,7 +64,7 @@ pub use self::animation::{animation_of, clock_of};
 pub use self::blocks::animation::LAST_FRAME;
 pub use self::blocks::{block_in, block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
-pub use self::operations::OPERATIONS;
+pub use self::operations::{BLOCK_OPERATIONS, OPERATIONS};
 pub use self::picture_files::tile_picture;
 pub use self::settings::BLOCK as SETTINGS;
 pub use self::transform::operations_matrix;

@@ -48,7 +48,7 @@ pub(super) struct CompiledModel {
     parts: Parts,
     lights: Rc<[ModelLight]>,
     cameras: Rc<[ModelCamera]>,
-    animation: Option<Rc<ModelAnimation>>,
+    animation: Option<ModelAnimation>,
 }
 
 /// A model as a block asks for it.
@@ -109,7 +109,7 @@ impl Compiler<'_> {
         };
         self.place_parts(&model.parts, item, ctm, state);
         if let Some(animation) = model.animation.filter(|_| keys.animation_time.is_none()) {
-            let ModelAnimation { name, key_times } = (*animation).clone();
+            let ModelAnimation { name, key_times } = animation;
             self.animated_models.push(AnimatedModel { item: item.index(), name, key_times });
         }
         let lights = if keys.lights { &model.lights[..] } else { &[] };
@@ -189,7 +189,7 @@ impl Compiler<'_> {
             parts,
             lights: model.lights.into(),
             cameras: model.cameras.into(),
-            animation: model.animation.map(Rc::new),
+            animation: model.animation,
         })
     }
 

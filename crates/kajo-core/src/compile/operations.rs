@@ -100,8 +100,11 @@ pub(super) const MOTION: &str = "Motion";
 /// Words for operations of a `Transform`.
 pub const OPERATIONS: [&str; ALL.len()] = words([]);
 
+/// Words for operations that are blocks, which stand where things may move.
+pub const BLOCK_OPERATIONS: [&str; 2] = [MOTION, FOLLOW_PATH];
+
 /// Words for operations where things may move as well.
-pub(super) const MOVING_OPERATIONS: [&str; ALL.len() + 2] = words([MOTION, FOLLOW_PATH]);
+pub(super) const MOVING_OPERATIONS: [&str; ALL.len() + BLOCK_OPERATIONS.len()] = words(BLOCK_OPERATIONS);
 
 /// The words of the operations, and then others.
 const fn words<const N: usize, const M: usize>(others: [&'static str; M]) -> [&'static str; N] {
@@ -146,6 +149,9 @@ fn matrix(args: &mut Args<'_>, by_rows: bool) -> Result<DAffine3, Diagnostic> {
     };
     Ok(DAffine3::from_cols(column(0), column(1), column(2), column(3)))
 }
+
+/// Rodrigues' formula `cos I + sin [a]x + (1 - cos) a a^T`, with the axis as it stands: one
+/// that is not of unit length gives a map that is no rotation, as in the reference program.
 fn rotation([x, y, z, degrees]: [f32; 4]) -> DAffine3 {
     let (a, angle) = (DVec3::new(x.into(), y.into(), z.into()), f64::from(degrees).to_radians());
     let (sin, cos) = (fmath::sin64(angle), fmath::cos64(angle));

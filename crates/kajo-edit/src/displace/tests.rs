@@ -271,6 +271,33 @@ fn the_camera_follows_a_pose() {
     assert!(empty.is_current() && empty.text().starts_with("PerspectiveCamera {"), "{}", empty.report(false));
 }
 
+/// What goes along a path is moved in the world, and a camera on one is left to its path.
+#[test]
+fn what_follows_a_path_is_moved_with_it() {
+    let path = "FollowPath { line 1 0 0  3 0 2  progress 0.25  bank 20 }";
+    let movement = Movement::Rotate { center: DVec3::new(0.5, 0.0, 1.0), axis: DVec3::Y, degrees: 30.0 };
+    for operations in [path.to_owned(), format!("Translate 1 2 3 {path}"), format!("{path} YRotate 40")] {
+        let mut document = document(&scene(&format!(
+            "Transform {{ {operations} Group {{ Box {{ min 0 0 0  max 1 2 3 }} }} }}"
+        )));
+        let moved = |document: &Document| {
+            let node = document.outline().nodes().iter().find(|node| node.kind == Kind::Transform).unwrap();
+            (node.id, document.tree.own_map(node))
+        };
+        let (id, before) = moved(&document);
+        document.apply(&Edit::Move { node: id, movement }).unwrap();
+        let (_, after) = moved(&document);
+        assert!(after.abs_diff_eq(movement.map() * before, 1e-5), "{}", document.text());
+    }
+    let text =
+        scene("Sphere { center 0 0 0  radius 1 }").replace("center 0 0 9", &format!("center 0 0 9  {path}"));
+    let mut document = document(&text);
+    let mut pose = kajo::CameraPose::of(document.scene().unwrap());
+    pose.fly(DVec3::new(0.5, 0.0, 2.0));
+    let refused = document.apply(&Edit::Look(Box::new(pose))).unwrap_err().to_string();
+    assert!(refused.contains("FollowPath"), "{refused}");
+}
+
 /// However a camera says where it looks, moving it by hand edits what is written, and the scene has the camera shown.
 #[test]
 fn cameras_that_look_at_things_are_moved_by_hand() {

@@ -607,6 +607,6 @@ fn once(edits: Vec<TextEdit>) -> Result<Vec<TextEdit>, EditRefused> {
 }
 
 /// In the precision of scenes.
-pub(super) fn single(value: f64) -> f64 {
+fn single(value: f64) -> f64 {
     if value.fract() == 0.0 { value } else { f64::from(value as f32) }
 }

@@ -515,22 +515,14 @@ fn new_keys_of_a_value_are_what_it_is() {
     assert!(document.text().contains("keys { 0: 1  0.5: 1.5  1: 2 }"), "{}", document.text());
 }
 
-/// A triangle that goes to the right and back, by an animation with keys at 0.5, 1 and 2 seconds.
-const MODEL: &str = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":84,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAPwAAgD8AAABAAAAAAAAAAAAAAAAAAACAQAAAAAAAAAAAAAAAAAAAAAAAAAAA"}],
-"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12},{"buffer":0,"byteOffset":48,"byteLength":36}],
-"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":3,"type":"SCALAR"},
-{"bufferView":2,"componentType":5126,"count":3,"type":"VEC3"}],
-"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],
-"animations":[{"name":"walk","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],"samplers":[{"input":1,"output":2}]}]}"#;
-
 #[test]
 fn the_keys_of_a_model_are_a_row() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.gltf"), MODEL).unwrap();
+    kajo_testkit::write_walker(folder.path(), [0.5, 1.0, 2.0]).unwrap();
     let rows = |frames: &str, keys: &str| {
         let text = format!(
             "{frames} PerspectiveCamera {{ center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }}
-Materials {{ Matte red {{ }} }} Group {{ MaterialIndex red repeat i 2 {{ Model fox {{ file a.gltf {keys} }} }} }}"
+Materials {{ Matte red {{ }} }} Group {{ MaterialIndex red repeat i 2 {{ Model fox {{ file walker.gltf {keys} }} }} }}"
         );
         let mut document = Document::untitled(folder.path(), &text, LoadOptions::default()).unwrap();
         document.compile();

@@ -11,6 +11,8 @@
 //! with the slopes `b` behind a key and `a` before it. What is found takes the place of what the nodes say, and so reaches
 //! joints of skins and all that hangs on the nodes.
 
+use std::sync::Arc;
+
 use super::Budget;
 use super::accessor::AccessorView;
 use super::container::Buffers;
@@ -33,9 +35,9 @@ pub struct ModelMoment {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelAnimation {
     /// Its name, if it has one.
-    pub name: Option<String>,
+    pub name: Option<Arc<str>>,
     /// Moments at which any of its channels has a key, in seconds from its beginning, each later than the one before.
-    pub key_times: Vec<f64>,
+    pub key_times: Arc<[f64]>,
 }
 
 /// What came of posing a model.
@@ -67,7 +69,7 @@ pub(super) fn pose(
     };
     let of_animation = |said: String| format!("animations[{number}]: {said}");
     let curves = curves(document, buffers, number, budget).map_err(of_animation)?;
-    let name = document.animations[number].name.as_deref().map(str::to_owned);
+    let name = document.animations[number].name.clone();
     let animation = Some(ModelAnimation { name, key_times: key_times(&curves) });
     let changes = changes(document, buffers, (number, &curves), moment, budget);
     let (changes, skipped) = changes.map_err(of_animation)?;
@@ -175,12 +177,12 @@ fn changes(
 }
 
 /// When any of the curves has a key, in seconds from the beginning.
-fn key_times(curves: &[Curve<'_>]) -> Vec<f64> {
+fn key_times(curves: &[Curve<'_>]) -> Arc<[f64]> {
     let start = first_key(curves).min(0.0);
     let mut times: Vec<f64> = curves.iter().flat_map(|curve| &curve.times).map(|time| time - start).collect();
     times.sort_unstable_by(f64::total_cmp);
     times.dedup();
-    times
+    times.into()
 }
 
 /// The first key of any curve.
