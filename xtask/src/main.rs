@@ -1,6 +1,7 @@
 //! Tasks of the workspace, each one word: `cargo xtask test`.
 
 mod cycles;
+mod deep;
 mod environment;
 mod errors;
 mod floors;
@@ -27,7 +28,8 @@ Usage: cargo xtask <TASK>
   check            the quick part of it: format, lints, floors, words
   floors           only the floors: who may import whom, that no files need each other, and that no function is long
   words            only the words and names that no file may hold
-  deep             all tests with fast code, the slow ones in full, instructions, squared errors, and the wheel
+  deep [PART...]   all tests with fast code, the slow ones in full, instructions, squared errors, and the wheel:
+                   hours on two cores; a PART is the name of a crate, `examples`, `instructions`, `errors` or `wheel`
   errors           squared errors of path tracing beside known ones; with --bless keeps the figures
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
   instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures
@@ -47,7 +49,10 @@ fn main() -> ExitCode {
         ["check"] => check(&root, &mut report),
         ["floors"] => floors(&root, &mut report),
         ["words"] => no_banned_words(&root, &mut report),
-        ["deep"] => deep(&root, &mut report),
+        ["deep", ref parts @ ..] => match deep::Parts::of(&root, parts) {
+            Ok(parts) => deep::check(&root, &mut report, &parts),
+            Err(problem) => return usage(&problem),
+        },
         ["fuzz"] => fuzz(&root, &mut report, 60),
         ["fuzz", seconds] => match seconds.parse() {
             Ok(seconds) => fuzz(&root, &mut report, seconds),
@@ -117,16 +122,6 @@ fn floors(root: &Path, report: &mut Report) {
 
 fn no_banned_words(root: &Path, report: &mut Report) {
     report.add("words", words::check(root));
-}
-
-fn deep(root: &Path, report: &mut Report) {
-    packages::provide(report);
-    let tests = Cargo::new(root, "test --workspace --profile deep --no-fail-fast -- --include-ignored");
-    // What takes long runs in full where this is set.
-    report.run("all tests with fast code, in full", tests.env("KAJO_DEEP", "1"));
-    instructions::check(root, report, false);
-    errors::check(root, report, false);
-    wheel::build(root, report);
 }
 
 fn fuzz(root: &Path, report: &mut Report, seconds: u64) {
