@@ -77,7 +77,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 34] = [
+const CORE_MODULES: [(&str, &[&str]); 35] = [
     ("ids", &[]),
     ("family", &[]),
     ("differential", &[]),
@@ -116,7 +116,8 @@ const CORE_MODULES: [(&str, &[&str]); 34] = [
     ("environment", &[]),
     ("sky_disc", &[]),
     ("daylight", &["environment", "sky_disc"]),
-    ("background", &["interaction", "environment", "daylight"]),
+    ("star_field", &["environment"]),
+    ("background", &["interaction", "environment", "daylight", "star_field"]),
     (
         "scene",
         &[
@@ -215,6 +216,7 @@ const CORE_MODULES: [(&str, &[&str]); 34] = [
             "background",
             "environment",
             "daylight",
+            "star_field",
             "scene",
             "schema",
             "builder",

@@ -1,7 +1,7 @@
 //! What rays see that hit nothing.
 //!
 //! One colour, an [`Environment`], a clear [`Sky`], or a cube map: six square pictures around the scene, right and left
-//! (+x, -x), up and down (+y, -y), front and back (+z, -z), looked up bilinearly.
+//! (+x, -x), up and down (+y, -y), front and back (+z, -z), looked up bilinearly. Any of them may have stars before it.
 //!
 //! Scene: `Background { color 0.2 0.3 0.5  ambientLight 0.1 0.1 0.1  cubeMap sky }`
 
@@ -11,6 +11,7 @@ use kajo_math::{Vec2, Vec3};
 
 use crate::daylight::{Sky, Sun};
 use crate::environment::{Environment, SphereDensity, direction_of};
+use crate::star_field::StarField;
 
 /// File names of the six pictures of a cube map, in the order of [`CubeMap::new`].
 pub const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
@@ -31,6 +32,13 @@ pub enum Background {
     Environment(Box<Environment>),
     /// A clear sky.
     Sky(Box<Sky>),
+    /// Stars before any of these.
+    Starry {
+        /// What is behind them.
+        behind: Box<Background>,
+        /// The stars.
+        stars: Box<StarField>,
+    },
 }
 
 impl Default for Background {
@@ -46,6 +54,7 @@ impl Background {
         match self {
             Background::Constant { color, emission } => color.is_finite() && emission.is_finite(),
             Background::CubeMap(_) | Background::Environment(_) | Background::Sky(_) => true,
+            Background::Starry { behind, stars } => behind.is_finite() && stars.is_finite(),
         }
     }
 
@@ -62,6 +71,7 @@ impl Background {
             Background::CubeMap(map) => map.color(d),
             Background::Environment(environment) => environment.color(d),
             Background::Sky(sky) => sky.color(d),
+            Background::Starry { behind, stars } => behind.color(d) + stars.color(d),
         }
     }
 
@@ -71,6 +81,9 @@ impl Background {
         match self {
             Background::Constant { emission, .. } => emission.at(wavelengths),
             Background::Sky(sky) => sky.radiance(d, wavelengths),
+            Background::Starry { behind, stars } => {
+                behind.radiance(d, wavelengths) + stars.radiance(d, wavelengths)
+            }
             _ if wavelengths.is_spectral() => RgbBasis::new(wavelengths).emission(self.color(d).to_rgb()),
             _ => self.color(d),
         }
@@ -83,6 +96,7 @@ impl Background {
             Background::CubeMap(map) => map.density(),
             Background::Environment(environment) => environment.density(),
             Background::Sky(sky) => sky.density(),
+            Background::Starry { behind, stars } => stars.density(|d| behind.color(d).luminance()),
         }
     }
 
@@ -90,6 +104,7 @@ impl Background {
     pub fn sun(&self) -> Option<(&Sun, f32)> {
         match self {
             Background::Sky(sky) => sky.sun.as_ref().map(|sun| (sun, sky.sun_share())),
+            Background::Starry { behind, .. } => behind.sun(),
             _ => None,
         }
     }
@@ -101,6 +116,7 @@ impl Background {
             Background::CubeMap(map) => map.mean_luminance(),
             Background::Environment(environment) => environment.mean_luminance(),
             Background::Sky(sky) => sky.mean_luminance(),
+            Background::Starry { behind, stars } => behind.mean_luminance() + stars.mean_luminance(),
         }
     }
 
@@ -111,6 +127,7 @@ impl Background {
             Background::CubeMap(_) => false,
             Background::Environment(environment) => environment.is_black(),
             Background::Sky(sky) => sky.is_black(),
+            Background::Starry { behind, stars } => behind.is_black() && stars.is_black(),
         }
     }
 }

@@ -37,6 +37,7 @@ pub mod shading;
 pub mod shape;
 mod sky_disc;
 pub mod space;
+pub mod star_field;
 pub mod texture;
 
 pub use family::Pooled;

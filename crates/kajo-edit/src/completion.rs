@@ -278,7 +278,7 @@ mod tests {
         assert_eq!(words("Li|").unwrap().1, ["Lights"]);
         assert_eq!(words("Lights { Po|").unwrap().1, ["PointLight"]);
         assert_eq!(words("Group { Transform { Translate 1 0 0 To|").unwrap().1, ["Torus"]);
-        assert_eq!(words("Background { s|").unwrap().1, ["sky"]);
+        assert_eq!(words("Background { s|").unwrap().1, ["sky", "stars"]);
         assert_eq!(words("Group { Prism { out|").unwrap().1, ["outline"]);
         assert_eq!(words("Group { Transform { Mo|").unwrap().1, ["Motion", "Model"]);
         assert_eq!(words("Group { Transform { Motion { |").unwrap().1, ["key"]);

@@ -29,10 +29,11 @@ impl Tree {
                 format!("{} {{ center {eye}  direction {forward}  up {up}{opening} }}", pose.keyword());
             return self.add(None, &block);
         };
-        if self.outline.children(Some(camera.id)).any(|child| &*child.keyword == "FollowPath") {
-            return Err(EditRefused::new(
-                "this camera goes along its path: change `FollowPath`, or take it out",
-            ));
+        let moves = |child: &&Node| ["FollowPath", "WorldLine"].contains(&&*child.keyword);
+        if let Some(path) = self.outline.children(Some(camera.id)).find(moves) {
+            let message =
+                format!("this camera goes along its path: change `{}`, or take it out", path.keyword);
+            return Err(EditRefused::new(message));
         }
         let mut aim = AimEdits::of(self, camera);
         aim.place(pose)?;

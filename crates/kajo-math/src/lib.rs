@@ -24,15 +24,18 @@ pub mod piecewise;
 pub mod pmj;
 pub mod poisson;
 pub mod principal;
+pub mod quadrature;
 pub mod ray;
 pub mod rng;
 pub mod robust;
 pub mod roots;
 pub mod sobol;
 pub mod solid_angle;
+pub mod spline_grid;
 pub mod tape;
 pub mod transform;
 pub mod warp;
+pub mod world_line;
 
 pub use aabb::Aabb;
 pub use frame::Frame;

@@ -194,6 +194,7 @@ impl<'s> Bsdf<'s> {
             | Bsdf::ThinDielectric(_)
             | Bsdf::Btf(_)
             | Bsdf::Measured(_)
+            | Bsdf::Deflector(_)
             | Bsdf::Null => None,
         }
     }

@@ -19,6 +19,7 @@ mod brushed_clear;
 mod brushed_metal;
 mod btf;
 pub mod conductor;
+mod deflector;
 mod dielectric;
 mod diffuse_normal;
 mod energy;
@@ -39,6 +40,7 @@ mod thin;
 
 pub use btf::BtfLobe;
 pub use conductor::{Conductor, MetalFresnel};
+pub use deflector::Deflector;
 pub use dielectric::Dielectric;
 pub use diffuse_normal::{BumpedDiffuse, DiffuseNormal};
 pub use lambert::Lambert;
@@ -80,6 +82,8 @@ pub enum Bsdf<'s> {
     Btf(BtfLobe<'s>),
     /// A measured BRDF.
     Measured(MeasuredLobe<'s>),
+    /// A plane that turns light.
+    Deflector(Deflector),
     /// Nothing is there: light goes straight on.
     Null,
 }
@@ -119,6 +123,7 @@ impl ScatterKind {
     const REFLECTION: ScatterKind = ScatterKind { transmission: false, delta: false, straight: false };
     const TRANSMISSION: ScatterKind = ScatterKind { transmission: true, delta: false, straight: false };
     const MIRROR: ScatterKind = ScatterKind { transmission: false, delta: true, straight: false };
+    const DEFLECTED: ScatterKind = ScatterKind { transmission: true, delta: true, straight: false };
     const STRAIGHT: ScatterKind = ScatterKind { transmission: true, delta: true, straight: true };
 }
 
@@ -164,7 +169,7 @@ impl Bsdf<'_> {
             Bsdf::ThinDielectric(lobe) => lobe.eval(wo, wi),
             Bsdf::Btf(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Measured(lobe) => lobe.eval(wo, wi, mode),
-            Bsdf::Null => Spectrum::BLACK,
+            Bsdf::Deflector(_) | Bsdf::Null => Spectrum::BLACK,
         }
     }
 
@@ -186,7 +191,7 @@ impl Bsdf<'_> {
             Bsdf::ThinDielectric(lobe) => lobe.pdf(wo, wi),
             Bsdf::Btf(lobe) => lobe.pdf(wo, wi),
             Bsdf::Measured(lobe) => lobe.pdf(wo, wi),
-            Bsdf::Null => 0.0,
+            Bsdf::Deflector(_) | Bsdf::Null => 0.0,
         }
     }
 
@@ -195,7 +200,7 @@ impl Bsdf<'_> {
     pub fn is_choosy(&self) -> bool {
         match self {
             Bsdf::Lambert(_) => self.transmits(),
-            Bsdf::Conductor(_) | Bsdf::Null => false,
+            Bsdf::Conductor(_) | Bsdf::Deflector(_) | Bsdf::Null => false,
             _ => true,
         }
     }
@@ -218,6 +223,7 @@ impl Bsdf<'_> {
             Bsdf::Subsurface(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Btf(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Measured(lobe) => lobe.sample(wo, u, uc, mode),
+            Bsdf::Deflector(lobe) => lobe.sample(wo),
             Bsdf::Null => BsdfSample::new(-wo, Spectrum::WHITE, 1.0, ScatterKind::STRAIGHT),
         }
     }
@@ -254,7 +260,7 @@ impl Bsdf<'_> {
             Bsdf::Dielectric(lobe) => lobe.is_smooth(),
             Bsdf::Phong(lobe) => lobe.is_delta(),
             Bsdf::ThinDielectric(lobe) => lobe.is_polished(),
-            Bsdf::Null => true,
+            Bsdf::Deflector(_) | Bsdf::Null => true,
         }
     }
 
@@ -301,7 +307,7 @@ impl Bsdf<'_> {
             Bsdf::Subsurface(lobe) => lobe.albedo(wo),
             Bsdf::Btf(lobe) => lobe.albedo(wo),
             Bsdf::Measured(lobe) => lobe.albedo(wo),
-            Bsdf::Null => Spectrum::WHITE,
+            Bsdf::Deflector(_) | Bsdf::Null => Spectrum::WHITE,
         }
     }
 }

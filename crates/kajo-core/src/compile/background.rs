@@ -3,11 +3,11 @@
 use kajo_color::{Emission, srgb};
 use kajo_image::{Decoded, Format, Image};
 use kajo_math::Vec3;
-use kajo_scene::{Diagnostic, Item, Params};
+use kajo_scene::{Diagnostic, Item, Params, read_limited};
 
 use super::fields::{
-    At, FileName, Keys, any_angle, at_least, between, classic_light, color, degrees, file, flag, keys,
-    number, report_without,
+    At, Direction, FileName, Keys, any_angle, at_least, between, classic_light, color, count, degrees,
+    direction, file, flag, keys, number, report_beside, report_without,
 };
 use super::picture_files::read_picture;
 use super::spectra::Written;
@@ -18,6 +18,7 @@ use crate::environment::Environment;
 use crate::ids::LightGroup;
 use crate::medium::Fog;
 use crate::schema::{Block, Kind};
+use crate::star_field::{Star, StarDraw, StarField, parse_stars};
 
 /// The colour of a background of which nothing is said.
 const GREY: [f32; 3] = [0.5; 3];
@@ -47,7 +48,7 @@ pub(super) const BLOCK: Block = Block {
     kind: Kind::Background,
     about: "what rays see that hit nothing",
     groups: &[BackgroundKeys::FIELDS],
-    parts: &[&SKY],
+    parts: &[&SKY, &STARS],
 };
 
 keys! {
@@ -81,6 +82,36 @@ keys! {
     }
 }
 
+keys! {
+    StarKeys<'t> {
+        count: Option<At<'t, u32>> = count("count", 1, 10_000_000)
+            .placed()
+            .not_beside(&["catalog"])
+            .unlike("9000", "9000", "how many are strewn over the sky"),
+        seed: u32 = count("seed", 0, 999_999_999).or(0, "chooses one of many skies"),
+        faintest: f32 = between("faintest", -5.0, 25.0).or(6.5, "magnitude of the faintest ones that are strewn"),
+        galaxy: f32 = between("galaxy", 0.0, 1.0).or(0.4, "the share of those that lies in a band around the sky"),
+        pole: Direction = direction("pole").or([0.5, 1.0, 0.25], "perpendicular to that band"),
+        catalog: Option<At<'t, FileName>> = file("catalog")
+            .placed()
+            .not_beside(&["count"])
+            .option("a table in their place: right ascension, declination, magnitude, temperature"),
+        radius: f32 = degrees("radius", 1e-4, 5.0).or(0.04, "how large each is seen"),
+        scale: f32 = at_least("scale", 0.0).or(1.0, "makes them brighter; 1 for lux"),
+    }
+}
+
+pub(super) const STARS: Block = Block {
+    keyword: "stars",
+    kind: Kind::Part,
+    about: "stars before whatever else a `Background` is",
+    groups: &[StarKeys::FIELDS],
+    parts: &[],
+};
+
+/// The most bytes of a catalogue of stars.
+const LARGEST_CATALOG: u64 = 1 << 30;
+
 pub(super) const FOG: Block = Block {
     keyword: "Fog",
     kind: Kind::Fog,
@@ -100,11 +131,11 @@ impl Compiler<'_> {
                 let keys = BackgroundKeys::read(params, sources)?;
                 let sky = params.block(SKY.keyword);
                 check_pictures(params, &keys, sky);
-                Some((keys, sky))
+                Some((keys, sky, params.block(STARS.keyword)))
             });
-            keys.map(|(keys, sky)| (keys, sky, item.head_span()))
+            keys.map(|(keys, sky, stars)| (keys, [sky, stars], item.head_span()))
         });
-        let Some((keys, sky, at)) = read else {
+        let Some((keys, [sky, stars], at)) = read else {
             return self.scene.surround(LightGroup::default(), Background::constant(GREY));
         };
         let BackgroundKeys { color, ambient, environment, rotate, scale, cube_map, group } = keys;
@@ -117,7 +148,12 @@ impl Compiler<'_> {
             (None, None, None) => None,
         };
         let plain = || Background::Constant { color: color.rgb, emission: color.value };
-        let set = self.scene.background_in(group.unwrap_or_default(), picture.unwrap_or_else(plain));
+        let behind = picture.unwrap_or_else(plain);
+        let around = match stars.and_then(|item| self.stars(item)) {
+            Some(stars) => Background::Starry { behind: Box::new(behind), stars },
+            None => behind,
+        };
+        let set = self.scene.background_in(group.unwrap_or_default(), around);
         self.accepted(set, at);
         self.scene.ambient(ambient.into());
     }
@@ -133,6 +169,47 @@ impl Compiler<'_> {
             sun: keys.sun,
         };
         Some(Box::new(Sky::new(&settings)))
+    }
+
+    fn stars(&mut self, item: Item<'_>) -> Option<Box<StarField>> {
+        let keys = self.read_keys(item, |params, sources| {
+            if params.contains("catalog") {
+                report_beside(params, StarKeys::FIELDS, "catalog");
+                params.idle(&["seed", "faintest", "galaxy", "pole"], "beside a `catalog`");
+            }
+            StarKeys::read(params, sources)
+        })?;
+        let StarKeys { count, seed, faintest, galaxy, pole, catalog, radius, scale } = keys;
+        let count = count.map_or(9000, |count| count.value);
+        let stars = match catalog {
+            Some(file) => self.star_catalog(&file)?,
+            None => {
+                let bytes = u64::from(count) * size_of::<Star>() as u64;
+                let room = self.options.limits.memory.take(bytes).map_err(|over| over.to_string());
+                let report = |message| {
+                    let error = Diagnostic::error(message).label(item.head_span(), "too many stars");
+                    self.diagnostics.push(error);
+                };
+                room.map_err(report).ok()?;
+                StarDraw { count, seed, faintest, galaxy, pole: pole.0.normalize() }.stars()
+            }
+        };
+        Some(Box::new(StarField::new(&stars, radius.to_radians(), scale)))
+    }
+
+    /// The stars of a table; why it has none is reported.
+    fn star_catalog(&mut self, file: &At<'_, FileName>) -> Option<Vec<Star>> {
+        let At { value: FileName(name), item } = file;
+        let opened = self.assets.open(name, item.path());
+        let bytes =
+            opened.and_then(|file| read_limited(file, LARGEST_CATALOG)).map_err(|error| error.to_string());
+        let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(|_| "it is not text".to_owned()));
+        let stars = text.and_then(|text| parse_stars(&text).map_err(|error| error.to_string()));
+        let report = |reason| {
+            let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));
+            self.diagnostics.push(error.label(item.head_span(), "named here"));
+        };
+        stars.map_err(report).ok()
     }
 
     /// * `rotate`: in degrees
@@ -245,7 +322,9 @@ mod tests {
             .with("sky.exr", file(2.0, Format::Exr))
             .with("sky.png", file(1.0, Format::Png))
             .with("dark.pfm", file(-1.0, Format::Pfm))
-            .with("text.exr", "no picture");
+            .with("text.exr", "no picture")
+            .with("one.txt", "0 0 0 9600")
+            .with("bad.txt", "0 0 0\n0 100 0");
         compiled_within(Limits::default(), background, &assets)
     }
 
@@ -292,6 +371,26 @@ mod tests {
         assert!(sum.distance(Vec3::new(2.0, 0.5, 0.25)) < 5e-3, "{sum}");
     }
 
+    /// Stars are seen before everything else, and do not hide it.
+    #[test]
+    fn stars_are_before_what_else_there_is() {
+        let toward = |background: &str, d: Vec3| {
+            let (scene, said) = compiled(background);
+            let scene = scene.unwrap_or_else(|| panic!("{background}: {said:?}"));
+            scene.lighting.background.color(d).to_rgb()
+        };
+        let ahead = Vec3::NEG_Z;
+        let vega = toward("color 0 0 0  stars { catalog one.txt  radius 1 }", ahead);
+        // 3 E / (2 pi (1 - cos r)) of a star of magnitude 0, whose colour is nearly white.
+        let peak = 3.0 * 2.54e-6 / (2.0 * std::f32::consts::PI * (1.0 - 1f32.to_radians().cos()));
+        assert!((vega[1] / peak - 1.0).abs() < 0.1 && vega[2] > vega[0], "{vega:?} {peak}");
+        let over = toward("environment sky.exr  stars { catalog one.txt  radius 1  scale 1000 }", ahead);
+        assert!((over[0] - 2.0 - 1000.0 * vega[0]).abs() < 1e-3, "{over:?}");
+        assert_eq!(toward("color 0.1 0.1 0.1  stars { catalog one.txt }", Vec3::Y)[0], 0.1);
+        let many = compiled("color 0 0 0  stars { count 5000  galaxy 1 }").0.expect("a scene");
+        assert!(!many.lighting.background.is_black());
+    }
+
     #[test]
     fn mistakes_are_named() {
         let (scene, said) = compiled("environment dark.pfm");
@@ -310,6 +409,11 @@ mod tests {
         for two in ["environment sky.exr cubeMap sky", "sky { } environment sky.exr", "cubeMap sky sky { }"] {
             assert!(error(two).contains("one of `cubeMap`, `environment` and `sky`"), "{two}");
         }
+        assert!(error("stars { catalog bad.txt }").contains("line 2: angles are in degrees"));
+        assert!(error("stars { catalog none.txt }").contains("there is no such file"));
+        assert!(error("stars { catalog one.txt  count 5 }").contains("count"));
+        assert!(error("stars { count 0 }").contains("`count`"));
+        assert!(error("stars { pole 0 0 0 }").contains("pole"));
         assert!(error("sky { turbidity 1 }").contains("at least 2 and at most 10"));
         assert!(error("rotate 30").contains("rotate"));
         assert!(error("environment sky.exr scale -1").contains("at least 0"));

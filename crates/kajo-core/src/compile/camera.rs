@@ -2,17 +2,18 @@
 
 use std::borrow::Cow;
 
+use kajo_math::world_line::WorldPoint;
 use kajo_math::{DAffine3, DVec3, Motion};
 use kajo_scene::{Diagnostic, Diagnostics, Item, Params};
 
 use super::aim::{Aim, Subject};
 use super::blocks::CAMERAS as MEMBERS;
-use super::camera_keys::{CameraAim, OwnKeys, ShutterKeys};
+use super::camera_keys::{CAMERA_PARTS, CameraAim, OwnKeys, ShutterKeys};
 use super::fields::{Keys, Sources};
 use super::lens::{Focus, LensKeys};
 use super::lorentz::Velocity;
 use super::member::keywords;
-use super::{Compiler, follow_path, motion};
+use super::{Compiler, follow_path, motion, world_line};
 use crate::camera::{Camera, CameraFrame, OrthographicCamera};
 use crate::motion::{MovingTransform, Shutter};
 use crate::scene::CameraMotion;
@@ -58,34 +59,32 @@ impl<'a> Compiler<'_> {
     fn camera(&mut self, item: Item<'a>) -> Option<CameraRequest<'a>> {
         let member = MEMBERS.iter().find(|member| member.block.keyword == item.keyword())?;
         let raw_up = self.rules.raw_up;
-        let (name, keys, [moves, follows], aim, frames, own) = self.read_keys(item, |params, sources| {
+        let (name, keys, moves, aim, frames, own) = self.read_keys(item, |params, sources| {
             let name = params.name().map(Cow::into_owned);
+            let moves = Moves::take(params);
             let keys = ShutterKeys::read(params, sources);
-            let moves = params.block(motion::BLOCK.keyword);
-            let follows = params.block(follow_path::BLOCK.keyword);
             let aim = Aim::read(params, sources, member.read.other_fits);
             let is_fitted = aim.as_ref().is_some_and(|aim| aim.fit.is_some());
             let frame = aim.as_ref().map(|aim| known_frame(aim, params, raw_up));
             let own = (member.read.read)(params, sources, &CameraAim { frame, is_fitted });
             let frames = frames_at(item, sources, member.read.other_fits, raw_up);
-            Some((name, keys, [moves, follows], aim, frames, own))
+            Some((name, keys, moves, aim, frames, own))
         })?;
         let ShutterKeys { shutter, rolling: readout, velocity: Velocity(velocity), world_time } = keys?;
         let shutter = self.exposure(shutter);
-        let observer = CameraMotion { velocity, time: world_time.into() };
         let OwnKeys { camera, has_opening, lens: lens_keys, size } = own;
         let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));
-        if let Some(path) = follows
+        if let Some(path) = moves.follows.or(moves.world_line)
             && (aim.as_ref().is_some_and(Aim::needs_scene) || focus.is_some())
         {
             self.diagnostics.push(explain_path(path));
         }
-        let keyed = moves.and_then(|item| self.camera_motion(item));
         let own_way = self.changing_frame(item.desc().clock(), |moment| *frames.get(moment)?);
-        let followed = follows.map(|item| self.camera_on_path(item));
+        let evenly = CameraMotion { velocity, time: world_time.into() };
+        let (observer, [flown, keyed, followed]) = self.camera_moved(&moves, evenly);
         let motion =
-            [keyed, followed, own_way].into_iter().flatten().reduce(|outer, inner| outer.then(&inner));
+            [flown, keyed, followed, own_way].into_iter().flatten().reduce(|outer, inner| outer.then(&inner));
         // A camera moves while its own shutter is open.
         let motion = motion.map(|motion| MovingTransform::new(motion, shutter));
         let camera = camera?.with_lens(lens);
@@ -105,6 +104,26 @@ impl<'a> Compiler<'_> {
         })
     }
 
+    /// How a camera moves in a world that has a speed of light, and what else moves it: its world line, its keys, its path.
+    ///
+    /// * `evenly`: without a world line
+    fn camera_moved(
+        &mut self,
+        moves: &Moves<'_>,
+        evenly: CameraMotion,
+    ) -> (CameraMotion, [Option<Motion>; 3]) {
+        let point = moves.world_line.and_then(|item| world_line::read(item, self.diagnostics));
+        let observer =
+            point.map_or(evenly, |WorldPoint { event, velocity }| CameraMotion { velocity, time: event.t });
+        // An observer stands where it would have been at the moment 0, had it always moved as it does now.
+        let flown = point.map(|WorldPoint { event, velocity }| {
+            Motion::still(DAffine3::from_translation(event.x - event.t * velocity))
+        });
+        let keyed = moves.keys.and_then(|item| self.camera_motion(item));
+        let followed = moves.follows.map(|item| self.camera_on_path(item));
+        (observer, [flown, keyed, followed])
+    }
+
     /// The motion of a camera, which keeps its size.
     fn camera_motion(&mut self, item: Item<'_>) -> Option<Motion> {
         let keys = motion::read(item, self.rules.matrix_by_rows, self.now(), self.diagnostics)?;
@@ -121,6 +140,23 @@ impl<'a> Compiler<'_> {
         let moving = self.changing_operation(item);
         let mut still = || follow_path::read(item, self.diagnostics).unwrap_or(DAffine3::IDENTITY);
         moving.unwrap_or_else(|| Motion::still(still()))
+    }
+}
+
+/// The blocks that move a camera.
+struct Moves<'a> {
+    keys: Option<Item<'a>>,
+    follows: Option<Item<'a>>,
+    world_line: Option<Item<'a>>,
+}
+
+impl<'a> Moves<'a> {
+    fn take(params: &mut Params<'a, '_>) -> Moves<'a> {
+        let [keys, follows, world_line] = CAMERA_PARTS.map(|block| params.block(block.keyword));
+        if world_line.is_some() {
+            ["velocity", "worldTime"].into_iter().for_each(|key| params.refuse(key, "beside a `WorldLine`"));
+        }
+        Moves { keys, follows, world_line }
     }
 }
 

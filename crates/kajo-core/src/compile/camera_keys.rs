@@ -5,10 +5,14 @@ use kajo_scene::Params;
 use super::fields::{Defaulted, Sources, Typed, at_least, between, keys, number};
 use super::lens::LensKeys;
 use super::lorentz::{self, Velocity};
-use super::motion::usual_shutter;
+use super::motion::{self, usual_shutter};
+use super::{follow_path, world_line};
 use crate::camera::{Camera, CameraFrame};
 use crate::motion::Shutter;
-use crate::schema::{Constant, FieldKind, NumberRange};
+use crate::schema::{Block, Constant, FieldKind, NumberRange};
+
+/// The blocks that move a camera: by keys, along a path, by its own clock.
+pub(super) const CAMERA_PARTS: [&Block; 3] = [&motion::BLOCK, &follow_path::BLOCK, &world_line::BLOCK];
 
 /// What reads the keys that a kind of camera has of its own.
 pub(super) struct CameraReader {

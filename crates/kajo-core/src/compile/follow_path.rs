@@ -2,6 +2,7 @@
 //!
 //! Scene: `Transform { FollowPath { spline 0 0 0  2 0 1  4 0 0  progress (time / 8) }  Model { file train.glb } }`
 
+use kajo_math::quadrature::gauss5;
 use kajo_math::{DAffine3, DMat3, DVec3, fmath};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
@@ -138,17 +139,9 @@ const LEVELS: u32 = 5;
 /// Steps of Newton's method, kept between bounds.
 const STEPS: u32 = 12;
 
-/// The length of a piece up to `s`, by Gauss-Legendre quadrature with five points.
+/// The length of a piece up to `s`.
 fn length(piece: &Bezier<DVec3>, s: f64) -> f64 {
-    const POINTS: [(f64, f64); 5] = [
-        (0.0, 0.568_888_888_888_888_9),
-        (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-        (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-        (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
-        (0.906_179_845_938_664, 0.236_926_885_056_189_08),
-    ];
-    let speed = |(x, weight): (f64, f64)| weight * piece.derivative(0.5 * s * (1.0 + x)).length();
-    0.5 * s * POINTS.into_iter().map(speed).sum::<f64>()
+    gauss5(0.0, s, |s| piece.derivative(s).length())
 }
 
 /// Axes of unit length: to the right, up and backwards, of what looks along `forward`.

@@ -150,7 +150,7 @@ fn origin(ctm: &CurrentTransform) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use kajo_math::DVec3;
+    use kajo_math::{DVec3, Vec2};
     use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
     use crate::compile::{CompileOptions, compile};
@@ -220,6 +220,48 @@ mod tests {
         let scene = compiled(&camera, BALL).unwrap();
         let observer = scene.relativity.unwrap().observer;
         assert_eq!((observer.velocity, observer.time), (DVec3::new(0.0, 0.0, -0.9), 4.0));
+    }
+
+    /// A camera by its own clock is where its world line is, and at the moment 0 where it would have come from.
+    #[test]
+    fn a_camera_may_go_by_its_own_clock() {
+        let flown = |line: &str| {
+            let camera = CAMERA.replace("angle 30", &format!("angle 30 WorldLine {{ {line} }}"));
+            let scene = compiled(&camera, BALL).unwrap();
+            let observer = scene.relativity.as_ref().unwrap().observer;
+            let places = scene.output.camera.origins([Vec2::NEG_ONE, Vec2::ONE], 1.0).unwrap();
+            let still = compiled(CAMERA, BALL).unwrap().output.camera;
+            let from = still.origins([Vec2::NEG_ONE, Vec2::ONE], 1.0).unwrap().center();
+            (observer, (places.center() - from).as_dvec3())
+        };
+        let (observer, at_first) = flown("event 0 0 0 0  event 10 0 0 -6  event 20 0 0 -12  properTime 4");
+        assert!(observer.velocity.distance(DVec3::new(0.0, 0.0, -0.6)) < 1e-12, "{observer:?}");
+        assert!((observer.time - 5.0).abs() < 1e-12 && at_first.length() < 1e-6, "{observer:?} {at_first}");
+        let (observer, at_first) = flown("acceleration 0 0 -0.5  properTime 3");
+        let (v, t, x) = (1.5f64.tanh(), 1.5f64.sinh() / 0.5, (1.5f64.cosh() - 1.0) / 0.5);
+        assert!((observer.velocity.z + v).abs() < 1e-12 && (observer.time - t).abs() < 1e-12, "{observer:?}");
+        assert!((at_first.z - (t * v - x)).abs() < 1e-5, "{at_first}");
+    }
+
+    #[test]
+    fn mistakes_of_world_lines_are_named() {
+        for (line, expected) in [
+            ("WorldLine { }", "goes through events, and here is none"),
+            ("WorldLine { event 0 0 0 0  event 0 1 0 0 }", "in the order of their moments"),
+            ("WorldLine { event 0 0 0 0  event 1 2 0 0 }", "at 2.0000 times the speed of light"),
+            ("WorldLine { event 0 0 0 0  acceleration 0 0 1 }", "either events or an `acceleration`"),
+            ("WorldLine { acceleration 0 0 1  properTime 50 }", "as fast as light, nearly"),
+            ("WorldLine { acceleration 0 0 1  properTime 5000 }", "as fast as light, nearly"),
+            ("WorldLine { acceleration 0 0 1 } velocity 0.5 0 0", "beside a `WorldLine`"),
+            ("WorldLine { acceleration 0 0 1 } worldTime 2", "beside a `WorldLine`"),
+        ] {
+            let camera = CAMERA.replace("angle 30", &format!("angle 30 {line}"));
+            let said = compiled(&camera, BALL).unwrap_err();
+            assert!(said.contains(expected), "{line}: {said}");
+        }
+        let fitted = "PerspectiveCamera { fit scene WorldLine { acceleration 0 0 1 } }";
+        let said = compiled(fitted, BALL).unwrap_err();
+        assert!(said.contains("as if it stood at the origin"), "{said}");
     }
 
     #[test]

@@ -263,6 +263,13 @@ fn mistakes_are_named() {
         ("FunctionMedium m { density 1 function = x min 1 1 1 }", "`min` must be less"),
         ("GradientIndex m { }", "`GradientIndex` needs `index`"),
         ("GradientIndex m { index 1.5 } exterior m", "fills closed bodies only"),
+        ("IndexGrid m { }", "`IndexGrid` needs `file`"),
+        ("IndexGrid m { size 2 2 2 values 1 1 1 }", "2 x 2 x 2 points need as many numbers, and there are 3"),
+        (
+            "IndexGrid m { size 2 1 1 values 0 1 offset 1 scale -1 }",
+            "an index of refraction is above 0, and at the point 1 0 0 of the grid it is 0",
+        ),
+        ("IndexGrid m { size 1 1 1 values 1.5 min 1 0 0 max 1 1 1 }", "must be less than that of `max`"),
         ("LuneburgLens m { radius 0 }", "`radius` must be more than 0"),
         ("RodLens m { axis 0 0 0 }", "`axis` must not be zero"),
         ("AirLayers m { depth 0 }", "`depth` must be more than 0"),

@@ -59,6 +59,7 @@ mod textures;
 mod touching;
 mod transform;
 mod value_names;
+mod world_line;
 
 pub use self::animation::{animation_of, clock_of};
 pub use self::blocks::animation::LAST_FRAME;

@@ -6,14 +6,14 @@ use kajo_math::Vec3;
 
 use super::{Census, Draw, Furnace, Who, kinds};
 
-kinds!(Bsdf: Lambert, OrenNayar, BumpedDiffuse, Conductor, Dielectric, ThinDielectric, Phong, Principled, Subsurface, Btf, Measured, Null);
+kinds!(Bsdf: Lambert, OrenNayar, BumpedDiffuse, Conductor, Dielectric, ThinDielectric, Phong, Principled, Subsurface, Btf, Measured, Deflector, Null);
 
 fn who(kind: &'static str, name: String) -> Who {
     Who { family: "lobe", kind, name }
 }
 
 pub(super) fn census() -> Census {
-    Census { family: "lobe", kinds: KINDS.to_vec(), pointlike: &["Null"], unpowered: &[] }
+    Census { family: "lobe", kinds: KINDS.to_vec(), pointlike: &["Deflector", "Null"], unpowered: &[] }
 }
 
 /// Every `step`th roughness of every family from `n` directions, with the tolerance of its energy.

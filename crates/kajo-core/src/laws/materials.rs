@@ -193,8 +193,8 @@ fn who(kind: &'static str, name: String) -> Who {
 }
 
 pub(super) fn census() -> Census {
-    // Gas scatters nothing. Where nothing is but the end of a medium, light goes straight on.
-    let nothing = &["accretion_disks", "null_interfaces"];
+    // Gas scatters nothing, and lenses turn light. Where nothing is but the end of a medium, light goes straight on.
+    let nothing = &["accretion_disks", "gravitational_lenses", "null_interfaces"];
     Census { family: "material", kinds: Materials::KINDS.to_vec(), pointlike: nothing, unpowered: nothing }
 }
 

@@ -152,9 +152,12 @@ impl Emitter for SkyLight {
         Some(self.background.radiance(d, wavelengths)).filter(|radiance| !radiance.is_black())
     }
 
-    /// Estimated by an even grid of its own samples.
+    /// Estimated by an even grid of its own samples; of stars, which these may miss, it is known.
     fn power(&self, world: &BoundingSphere) -> f32 {
         const SIDE: u32 = 24;
+        if let Background::Starry { .. } = *self.background {
+            return world.cross_section() * 4.0 * PI * self.background.mean_luminance();
+        }
         let sample = |i: u32| {
             let u = Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
             let sample = self.draw(u);
@@ -166,7 +169,10 @@ impl Emitter for SkyLight {
     fn emission(&self) -> Option<&Emission> {
         match &*self.background {
             Background::Constant { emission, .. } => Some(emission),
-            Background::CubeMap(_) | Background::Environment(_) | Background::Sky(_) => None,
+            Background::CubeMap(_)
+            | Background::Environment(_)
+            | Background::Sky(_)
+            | Background::Starry { .. } => None,
         }
     }
 }

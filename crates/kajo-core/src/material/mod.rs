@@ -6,6 +6,7 @@ mod blend;
 mod btf;
 mod embossed;
 mod glass;
+mod gravitational_lens;
 mod matte;
 mod measured;
 mod metal;
@@ -22,6 +23,7 @@ pub use blend::Blend;
 pub use btf::{BtfMaterial, BtfSettings};
 pub use embossed::{Embossed, Relief};
 pub use glass::{Glass, GlassSettings};
+pub use gravitational_lens::GravitationalLens;
 pub use matte::Matte;
 pub use measured::MeasuredMaterial;
 pub use metal::{Metal, Substance};
@@ -199,6 +201,7 @@ family! {
         btfs: BtfMaterial,
         embossed: Embossed,
         glasses: Glass,
+        gravitational_lenses: GravitationalLens,
         layered: LayeredMaterial,
         mattes: Matte,
         measured: MeasuredMaterial,

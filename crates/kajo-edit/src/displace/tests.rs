@@ -289,13 +289,15 @@ fn what_follows_a_path_is_moved_with_it() {
         let (_, after) = moved(&document);
         assert!(after.abs_diff_eq(movement.map() * before, 1e-5), "{}", document.text());
     }
-    let text =
-        scene("Sphere { center 0 0 0  radius 1 }").replace("center 0 0 9", &format!("center 0 0 9  {path}"));
-    let mut document = document(&text);
-    let mut pose = kajo::CameraPose::of(document.scene().unwrap());
-    pose.fly(DVec3::new(0.5, 0.0, 2.0));
-    let refused = document.apply(&Edit::Look(Box::new(pose))).unwrap_err().to_string();
-    assert!(refused.contains("FollowPath"), "{refused}");
+    for (path, name) in [(path, "FollowPath"), ("WorldLine { acceleration 0 0 -0.1 }", "WorldLine")] {
+        let text = scene("Sphere { center 0 0 0  radius 1 }")
+            .replace("center 0 0 9", &format!("center 0 0 9  {path}"));
+        let mut document = document(&text);
+        let mut pose = kajo::CameraPose::of(document.scene().unwrap());
+        pose.fly(DVec3::new(0.5, 0.0, 2.0));
+        let refused = document.apply(&Edit::Look(Box::new(pose))).unwrap_err().to_string();
+        assert!(refused.contains(name), "{refused}");
+    }
 }
 
 /// However a camera says where it looks, moving it by hand edits what is written, and the scene has the camera shown.

@@ -37,6 +37,11 @@ fn scene_with(block: &Block, text: &str) -> String {
                 "{camera} {materials} Group {{ MaterialIndex 0 Transform {{ {text} Sphere {{ center 0 0 0  radius 1 }} }} }}"
             )
         }
+        Kind::Part if block.keyword == "WorldLine" => {
+            format!(
+                "PerspectiveCamera {{ center 0 1 0  direction 3 -2 4  up 0 1 0  angle 30 {text} }} {materials}"
+            )
+        }
         Kind::Part if block.keyword == "path" => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 SphereSweep {{ {text} }} }}")
         }
@@ -130,6 +135,7 @@ fn needed(block: &Block) -> String {
         _ if block.keyword == "Lathe" => needed + "profile { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
         Kind::Medium if block.keyword == "GridMedium" => needed + "size 2 1 1  values 0 1  density 1 ",
+        Kind::Medium if block.keyword == "IndexGrid" => needed + "size 2 1 1  values 1 1.5 ",
         Kind::Medium if block.fields().any(|field| field.key == "density") => needed + "density 1 ",
         _ if block.keyword == "HeightField" => needed + "file heights.pfm ",
         _ if block.keyword == "DistanceGrid" => needed + "size 2 2 2  values -1 1 1 1 1 1 1 1 ",
@@ -137,6 +143,7 @@ fn needed(block: &Block) -> String {
         _ if block.keyword == "Curves" => needed + "strand { points 0 0 0  1 0 0  1 1 0 } ",
         _ if ["outline", "profile"].contains(&block.keyword) => needed + "line 0 0  1 0  0 1 ",
         _ if block.keyword == "FollowPath" => needed + "line 0 0 0  1 0 0  progress 0.7 ",
+        _ if block.keyword == "WorldLine" => needed + "acceleration 0 0 -0.1 ",
         _ if block.keyword == "path" => needed + "line 0 0 0 1  1 0 0 1 ",
         _ => needed,
     }

@@ -7,6 +7,7 @@
 //!   that of Schwarzschild
 //! * [`Observer`]: the frame of a camera, of a surface or of an emitter at any velocity
 //! * [`ThinDisk`]: gas that orbits in the equatorial plane, after Novikov, Page and Thorne
+//! * [`ThinLens`]: a weak lens, far from everything
 //! * [`Wormhole`]: a throat between two places
 //! * [`schwarzschild`]: what is known of a hole without spin in closed form
 
@@ -14,9 +15,11 @@ mod kerr;
 mod observer;
 pub mod schwarzschild;
 pub mod thin_disk;
+mod thin_lens;
 mod wormhole;
 
 pub use kerr::{Conserved, Kerr, KerrMetric};
 pub use observer::{Observer, seen_from_rest};
 pub use thin_disk::ThinDisk;
+pub use thin_lens::ThinLens;
 pub use wormhole::{Profile, ThroatPassage, Wormhole};

@@ -46,7 +46,9 @@ impl Motion {
         for ends in self.smooth_intervals([open, close]).windows(2) {
             let length = ends[1] - ends[0];
             let bend = self.acceleration(0.5 * (ends[0] + ends[1]), radius) * length * length / 8.0;
-            let steps = (bend / (TOLERANCE * size)).sqrt().ceil().clamp(1.0, MOST_STEPS);
+            // A point that goes straight needs no more than its ends.
+            let wanted = if bend > 0.0 { (bend / (TOLERANCE * size)).sqrt().ceil() } else { 1.0 };
+            let steps = wanted.clamp(1.0, MOST_STEPS);
             let off = bend / (steps * steps);
             for i in 0..=steps as u32 {
                 let t = ends[0] + length * (f64::from(i) / steps);

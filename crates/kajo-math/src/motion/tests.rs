@@ -91,6 +91,24 @@ fn bounds_of_steady_motion_are_tight() {
     assert!(!motion.is_still_over([1.0, 1.1]));
 }
 
+/// A camera without a lens is a point: at rest, and on a straight way.
+#[test]
+fn bounds_of_points_hold_them() {
+    let keys = [(0.0, DAffine3::IDENTITY), (1.0, DAffine3::from_translation(DVec3::new(2.0, 0.0, 0.0)))];
+    let p = Aabb { min: Vec3::ONE, max: Vec3::ONE };
+    for (motion, to) in [
+        (Motion::still(DAffine3::IDENTITY), Vec3::ONE),
+        (Motion::keyed(Keyframes::new(&keys).unwrap()), Vec3::new(3.0, 1.0, 1.0)),
+    ] {
+        let [open, close] = motion.bounds(&p, [0.0, 1.0]);
+        assert!(
+            open.padded(1e-5).contains(Vec3::ONE) && close.padded(1e-5).contains(to),
+            "{open:?} {close:?}"
+        );
+        assert!(open.extent().max_element() < 1e-4, "{open:?}");
+    }
+}
+
 #[test]
 fn bounds_of_a_spin_are_those_of_its_circle() {
     let turned = |degrees: f64| DAffine3::from_rotation_z(degrees.to_radians());

@@ -230,6 +230,8 @@ mod curved_tests;
 #[cfg(test)]
 mod emission_tests;
 #[cfg(test)]
+mod lens_tests;
+#[cfg(test)]
 mod media_tests;
 #[cfg(test)]
 mod relativistic_tests;

@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use kajo_core::Pooled;
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
+use kajo_core::material::GravitationalLens;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 use kajo_core::space::Space;
@@ -115,12 +117,14 @@ pub fn without_media(scene: &Scene) -> Option<&'static str> {
 }
 
 /// The note of integrators that leave out that bodies bend light.
-pub const WITHOUT_CURVES: &str = "light goes straight through bodies that bend it: the integrators that follow paths, such as \
+pub const WITHOUT_CURVES: &str = "light goes straight through bodies and lenses that bend it: the integrators that follow paths, such as \
      `path`, bend it";
 
 /// Why light is not bent, where a scene has bodies that do.
 pub fn without_curves(scene: &Scene) -> Option<&'static str> {
-    (scene.space() == Space::Curved).then_some(WITHOUT_CURVES)
+    let materials = &scene.appearance.materials;
+    let has_lens = materials.ids().any(|id| GravitationalLens::find(materials, id).is_some());
+    (scene.space() == Space::Curved || has_lens).then_some(WITHOUT_CURVES)
 }
 
 /// The note of integrators that leave out speeds near that of light.

@@ -276,9 +276,12 @@ fn whole(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Opti
     ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([v.round()]))
 }
 
+/// Numbers of a narrow range, such as shares and the spin of a black hole, have a slider.
 fn number(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Option<FieldValue> {
+    /// The widest range of a slider.
+    const NARROW: f64 = 30.0;
     let mut v = value.numbers.first().copied().unwrap_or(0.0);
-    let response = if min >= 0.0 && max <= 1.0 {
+    let response = if max - min <= NARROW {
         ui.add(Slider::new(&mut v, min..=max).clamping(SliderClamping::Edits).max_decimals(3))
     } else {
         let drag = DragValue::new(&mut v).range(min..=max).clamp_existing_to_range(false);

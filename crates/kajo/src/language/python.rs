@@ -46,10 +46,11 @@ const TYPES: [&str; 9] = [
 type Belongs = fn(&Block) -> bool;
 
 /// Files of the package, what is in each, and blocks of which kinds. Shapes come in two: those told by a few numbers, and all others.
-const FILES: [(&str, &str, Belongs); 10] = [
+const FILES: [(&str, &str, Belongs); 11] = [
     ("cameras", "Cameras", |block| block.kind == Kind::Camera),
-    ("light", "Lights and media", |block| matches!(block.kind, Kind::Light | Kind::Medium)),
+    ("lights", "Lights", |block| block.kind == Kind::Light),
     ("materials", "Materials", |block| block.kind == Kind::Material),
+    ("media", "Media", |block| block.kind == Kind::Medium),
     ("objects", "Other shapes, groups and operations of transforms", |block| {
         base_of(block.kind) == "ObjectBlock" && !is_primitive(block)
     }),

@@ -361,6 +361,7 @@ pub fn mirrors() -> Vec<(&'static str, Bsdf<'static>)> {
         ("smooth bubble", glass(1.0 / 1.33, smooth)),
         ("pane", pane(1.5, Spectrum::BLACK, smooth)),
         ("nothing", Bsdf::Null),
+        ("weak lens", Bsdf::Deflector(Deflector { shift: Vec2::new(3e-4, -4e-4) })),
         ("mirrors of Phong", phong(0.0, 0.0, 0.4, 0.6, 0.5)),
     ]
 }

@@ -22,6 +22,7 @@ pub fn without_tables(bsdf: Bsdf<'_>) -> Bsdf<'static> {
         Bsdf::Phong(lobe) => Bsdf::Phong(lobe),
         Bsdf::Principled(lobe) => Bsdf::Principled(lobe),
         Bsdf::Subsurface(lobe) => Bsdf::Subsurface(lobe),
+        Bsdf::Deflector(lobe) => Bsdf::Deflector(lobe),
         Bsdf::Null => Bsdf::Null,
         Bsdf::Btf(_) | Bsdf::Measured(_) => panic!("its tables belong to the scene"),
     }

@@ -4,12 +4,11 @@ use kajo_scene::{Args, Item, Params};
 
 use crate::camera::{Camera, FisheyeCamera, FisheyeProjection};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys};
+use crate::compile::camera_keys::{CAMERA_PARTS, CameraAim, CameraReader, OwnKeys, ShutterKeys};
 use crate::compile::fields::{
     Choice, Defaulted, Field, Given, Keys, Sources, choice, choices, degrees, keys,
 };
 use crate::compile::member::{CameraMember, Member};
-use crate::compile::motion;
 use crate::schema::{Block, FieldSpec, Kind};
 
 choices! {
@@ -56,7 +55,7 @@ pub const MEMBER: CameraMember = Member {
         kind: Kind::Camera,
         about: "half of all directions or more, as a disk",
         groups: &[aim::AimKeys::FIELDS, ShutterKeys::FIELDS, FisheyeKeys::FIELDS, FIT_FIELDS],
-        parts: motion::BLOCKS,
+        parts: &CAMERA_PARTS,
     },
     read: CameraReader { other_fits: DiskFit::WORDS, read },
 };

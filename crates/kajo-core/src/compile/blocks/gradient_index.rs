@@ -6,7 +6,9 @@ use kajo_color::Dispersion;
 use kajo_math::Vec3;
 use kajo_math::tape::Tape;
 
-use crate::compile::fields::{Keys, at_least, choice, choices, count, function, keys, positive, vector};
+use crate::compile::fields::{
+    Keys, at_least, choice, choices, count, function, keys, point, positive, vector,
+};
 use crate::compile::member::{MediumMember, Member};
 use crate::curved_light::Stepping;
 use crate::medium::GradientIndex;
@@ -39,6 +41,8 @@ keys! {
         noise_frequency: Vec3 = vector("noiseFrequency")
             .unit("1/length")
             .or([1.0; 3], "how fine the noise is along each axis"),
+        noise_origin: Vec3 = point("noiseOrigin")
+            .or([0.0; 3], "where the noise has its origin; keys of an animation make it drift"),
         octaves: u32 = count("octaves", 1, 16).or(3, "how many noises are added up"),
         integrator: SteppingName = choice::<SteppingName>("integrator")
             .otherwise(crate::schema::Constant::Word("adaptive"), "how light is followed from step to step"),
@@ -53,6 +57,7 @@ impl CurveKeys {
         let noise = IndexTurbulence {
             amplitude: self.noise.into(),
             frequency: self.noise_frequency,
+            origin: self.noise_origin,
             octaves: self.octaves,
         };
         let mut medium = GradientIndex::new(profile);

@@ -24,9 +24,11 @@ pub(super) mod fisheye_camera;
 pub(super) mod function_medium;
 pub(super) mod glass;
 mod gradient_index;
+mod gravitational_lens;
 pub(super) mod grid_medium;
 pub(super) mod group;
 pub(super) mod height_field;
+mod index_grid;
 pub(super) mod interface;
 pub(super) mod isosurface;
 pub(super) mod lathe;
@@ -128,7 +130,7 @@ pub(super) const LIGHTS: [&LightMember; 3] =
     [&directional_light::MEMBER, &point_light::MEMBER, &spot_light::MEMBER];
 
 /// All kinds of materials, in the order in which they are offered.
-pub(super) const MATERIALS: [&MaterialMember; 15] = [
+pub(super) const MATERIALS: [&MaterialMember; 16] = [
     &phong_material::MEMBER,
     &phong_material::SHORT,
     &matte::MEMBER,
@@ -139,6 +141,7 @@ pub(super) const MATERIALS: [&MaterialMember; 15] = [
     &measured::MEMBER,
     &interface::MEMBER,
     &accretion_disk::MEMBER,
+    &gravitational_lens::MEMBER,
     &checkerboard::MEMBER,
     &mix::MEMBER,
     &noise::MEMBER,
@@ -207,12 +210,13 @@ pub(super) const TEXTURE_LIST: Block = Block {
 };
 
 /// All kinds of media, in the order in which they are offered.
-pub(super) const MEDIA: [&MediumMember; 12] = [
+pub(super) const MEDIA: [&MediumMember; 13] = [
     &medium::MEMBER,
     &grid_medium::MEMBER,
     &function_medium::MEMBER,
     &texture_medium::MEMBER,
     &gradient_index::MEMBER,
+    &index_grid::MEMBER,
     &luneburg_lens::MEMBER,
     &maxwell_fish_eye::MEMBER,
     &rod_lens::MEMBER,
@@ -241,7 +245,7 @@ pub(super) const MEDIUM_LIST: Block = Block {
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 21] = [
+const OTHERS: [&Block; 23] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &blob::PLANE,
@@ -253,6 +257,7 @@ const OTHERS: [&Block; 21] = [
     &animation::BLOCK,
     &super::background::BLOCK,
     &super::background::SKY,
+    &super::background::STARS,
     &super::background::FOG,
     &LIGHT_LIST,
     &MATERIAL_LIST,
@@ -262,6 +267,7 @@ const OTHERS: [&Block; 21] = [
     &super::motion::BLOCK,
     &super::motion::KEY,
     &super::follow_path::BLOCK,
+    &super::world_line::BLOCK,
     &PICTURE,
 ];
 

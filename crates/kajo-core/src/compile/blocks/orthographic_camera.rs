@@ -4,11 +4,10 @@ use kajo_scene::Params;
 
 use crate::camera::{Camera, OrthographicCamera};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys, opening};
+use crate::compile::camera_keys::{CAMERA_PARTS, CameraAim, CameraReader, OwnKeys, ShutterKeys, opening};
 use crate::compile::fields::{Keys, Sources, keys, number};
 use crate::compile::lens::{LensFields, LensKeys};
 use crate::compile::member::{CameraMember, Member};
-use crate::compile::motion;
 use crate::schema::{Block, Kind};
 
 /// Height of the view of a camera that may stand where it likes.
@@ -32,7 +31,7 @@ pub const MEMBER: CameraMember = Member {
             OrthographicKeys::FIELDS,
             LensFields::FIELDS,
         ],
-        parts: motion::BLOCKS,
+        parts: &CAMERA_PARTS,
     },
     read: CameraReader { other_fits: &[], read },
 };

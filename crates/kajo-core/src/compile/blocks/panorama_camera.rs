@@ -4,10 +4,11 @@ use kajo_scene::Params;
 
 use crate::camera::{Camera, EyePair, PanoramaCamera};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraAim, CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys};
+use crate::compile::camera_keys::{
+    CAMERA_PARTS, CameraAim, CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys,
+};
 use crate::compile::fields::{Keys, Sources, choice, choices, keys};
 use crate::compile::member::{CameraMember, Member};
-use crate::compile::motion;
 use crate::schema::{Block, Kind};
 
 /// For how many eyes the picture is.
@@ -37,7 +38,7 @@ pub const MEMBER: CameraMember = Member {
         kind: Kind::Camera,
         about: "all directions, as longitude and latitude, for one eye or two",
         groups: &[aim::AimKeys::FIELDS, aim::FIT, ShutterKeys::FIELDS, PanoramaKeys::FIELDS],
-        parts: motion::BLOCKS,
+        parts: &CAMERA_PARTS,
     },
     read: CameraReader { other_fits: &[], read },
 };

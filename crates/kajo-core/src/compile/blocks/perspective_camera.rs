@@ -4,11 +4,10 @@ use kajo_scene::{Diagnostic, Params};
 
 use crate::camera::{Camera, PerspectiveCamera};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys, opening};
+use crate::compile::camera_keys::{CAMERA_PARTS, CameraAim, CameraReader, OwnKeys, ShutterKeys, opening};
 use crate::compile::fields::{At, Keys, Sources, any_angle, count, keys};
 use crate::compile::lens::{LensFields, LensKeys};
 use crate::compile::member::{CameraMember, Member};
-use crate::compile::motion;
 use crate::schema::{Block, Kind};
 
 /// Angle of view of a camera that may stand where it likes, in degrees.
@@ -43,7 +42,7 @@ pub const MEMBER: CameraMember = Member {
             PerspectiveKeys::FIELDS,
             LensFields::FIELDS,
         ],
-        parts: motion::BLOCKS,
+        parts: &CAMERA_PARTS,
     },
     read: CameraReader { other_fits: &[], read },
 };

@@ -4,10 +4,11 @@ use kajo_scene::Params;
 
 use crate::camera::{Camera, EyePair, Stereo, StereoCubemapCamera};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraAim, CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys};
+use crate::compile::camera_keys::{
+    CAMERA_PARTS, CameraAim, CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys,
+};
 use crate::compile::fields::{Keys, Sources, choice, choices, keys};
 use crate::compile::member::{CameraMember, Member};
-use crate::compile::motion;
 use crate::schema::{Block, Kind};
 
 choices! {
@@ -30,7 +31,7 @@ pub const MEMBER: CameraMember = Member {
         kind: Kind::Camera,
         about: "all directions, as twelve squares for two eyes",
         groups: &[aim::AimKeys::FIELDS, aim::FIT, ShutterKeys::FIELDS, StereoCubemapKeys::FIELDS],
-        parts: motion::BLOCKS,
+        parts: &CAMERA_PARTS,
     },
     read: CameraReader { other_fits: &[], read },
 };

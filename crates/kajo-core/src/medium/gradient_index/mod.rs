@@ -14,6 +14,7 @@
 //! Scene: `Media { GradientIndex ball { index = sqrt(2 - x^2 - y^2 - z^2) } }`
 
 mod dispersing;
+mod index_grid;
 mod profile;
 #[cfg(test)]
 mod tests;
@@ -28,6 +29,7 @@ use crate::curved_light::{
 use crate::texture::Textures;
 
 pub use dispersing::Dispersing;
+pub use index_grid::{IndexGrid, IndexGridError};
 pub use profile::{AirLayers, IndexTurbulence, Profile};
 
 /// A medium whose index of refraction differs from place to place.

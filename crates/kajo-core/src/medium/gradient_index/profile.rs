@@ -8,6 +8,8 @@ use kajo_math::noise::perlin_slope64;
 use kajo_math::tape::{Dual, Tape};
 use kajo_math::{DVec3, Vec3};
 
+use super::IndexGrid;
+
 /// An index of refraction by world-space place.
 #[derive(Clone, Debug)]
 pub enum Profile {
@@ -51,6 +53,8 @@ pub enum Profile {
     },
     /// Air over hot or cold ground.
     Layers(AirLayers),
+    /// A smooth function through numbers on a grid.
+    Grid(Arc<IndexGrid>),
 }
 
 thread_local! {
@@ -97,6 +101,10 @@ impl Profile {
                 let (n, slope) = layers.index(p.dot(layers.up) - layers.ground);
                 (n * n, n * slope * layers.up)
             }
+            Profile::Grid(grid) => {
+                let (n, slope) = grid.index(p);
+                if n > 0.0 { (n * n, n * slope) } else { (f64::NAN, DVec3::NAN) }
+            }
         }
     }
 
@@ -114,6 +122,7 @@ impl Profile {
                 origin.is_finite() && index.is_finite() && gradient.is_finite()
             }
             Profile::Layers(layers) => layers.is_finite(),
+            Profile::Grid(grid) => grid.is_finite(),
         }
     }
 }
@@ -173,13 +182,15 @@ impl AirLayers {
     }
 }
 
-/// Perlin noise that is added to the index: `a (N(q) + N(2q)/2 + N(4q)/4 + ...)`, `q = f p`.
+/// Perlin noise that is added to the index: `a (N(q) + N(2q)/2 + N(4q)/4 + ...)`, `q = f (p - x)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IndexTurbulence {
     /// `a`.
     pub amplitude: f64,
     /// `f`, per length along each axis.
     pub frequency: Vec3,
+    /// `x`: where its origin is.
+    pub origin: Vec3,
     /// How many noises there are.
     pub octaves: u32,
 }
@@ -188,7 +199,8 @@ impl IndexTurbulence {
     /// What it adds at a world-space point, and the gradient of that.
     pub fn at(&self, p: DVec3) -> (f64, DVec3) {
         let frequency = self.frequency.as_dvec3();
-        let (mut q, mut size, mut scale) = (p * frequency, self.amplitude, frequency);
+        let from = p - self.origin.as_dvec3();
+        let (mut q, mut size, mut scale) = (from * frequency, self.amplitude, frequency);
         let (mut sum, mut slope) = (0.0, DVec3::ZERO);
         for _ in 0..self.octaves {
             let (value, its_slope) = perlin_slope64(q);
@@ -202,6 +214,6 @@ impl IndexTurbulence {
     }
 
     pub(super) fn is_finite(&self) -> bool {
-        self.amplitude.is_finite() && self.frequency.is_finite()
+        self.amplitude.is_finite() && self.frequency.is_finite() && self.origin.is_finite()
     }
 }

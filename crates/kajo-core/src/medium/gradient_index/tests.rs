@@ -290,7 +290,8 @@ fn the_horizon_is_lifted_by_the_known_angle() {
 
 #[test]
 fn the_way_back_is_the_way_there() {
-    let turbulence = IndexTurbulence { amplitude: 0.05, frequency: Vec3::splat(1.5), octaves: 3 };
+    let turbulence =
+        IndexTurbulence { amplitude: 0.05, frequency: Vec3::splat(1.5), origin: Vec3::X, octaves: 3 };
     let mut medium = GradientIndex::new(Profile::Linear {
         origin: DVec3::ZERO,
         index: 1.4,
@@ -370,4 +371,53 @@ fn a_constant_index_bends_nothing() {
     let expected = o + d * (-o.dot(d) + (o.dot(d) * o.dot(d) - o.length_squared() + 1.0).sqrt());
     assert!(end(&followed).distance(expected) < 2e-6 && followed.d.distance(d) < 1e-6);
     assert!((followed.time - 1.3 * followed.length).abs() < 1e-6);
+}
+
+/// A Luneburg ball of numbers on a grid: the error at its pole falls with at least the third power of the distances of these.
+#[test]
+fn grids_bend_light_as_the_function_that_was_sampled() {
+    const HALF: f64 = 1.2;
+    let error = |n: u32| {
+        let mut values = Vec::new();
+        let at = |i: u32| HALF * (2.0 * f64::from(i) / f64::from(n - 1) - 1.0);
+        for z in 0..n {
+            for y in 0..n {
+                // In the corners of the box, outside of the ball, 2 - r^2 is no square.
+                let index =
+                    |x: u32| (2.0 - DVec3::new(at(x), at(y), at(z)).length_squared()).max(0.05).sqrt();
+                values.extend((0..n).map(|x| index(x) as f32));
+            }
+        }
+        let bounds = [Vec3::splat(-HALF as f32), Vec3::splat(HALF as f32)];
+        let grid = IndexGrid::new([n; 3], &values, bounds).expect("an index");
+        let medium = GradientIndex::new(Profile::Grid(std::sync::Arc::new(grid)));
+        let off = |h: f64| {
+            let start = DVec3::new(-(1.0 - h * h).sqrt(), h, 0.0) + 1e-6 * DVec3::X;
+            let followed = through(&medium, &mut Ball::new(DVec3::ZERO, 1.0), start, DVec3::X);
+            assert_eq!(followed.outcome, Outcome::Meets);
+            end(&followed).distance(DVec3::X)
+        };
+        [0.1, 0.3, 0.5].map(off).into_iter().fold(0.0, f64::max)
+    };
+    let [coarse, middle, fine] = [13, 25, 49].map(error);
+    assert!(coarse < 0.02 && coarse / middle > 8.0 && middle / fine > 6.0, "{coarse} {middle} {fine}");
+    assert!(fine < 5e-5, "{fine}");
+}
+
+#[test]
+fn numbers_that_are_no_index_are_refused() {
+    let bounds = [Vec3::NEG_ONE, Vec3::ONE];
+    let refused = |size, values: &[f32], bounds| IndexGrid::new(size, values, bounds).err();
+    let values = [1.0, 1.5, 1.2, 0.0, 1.0, 1.0, 1.0, 1.0];
+    assert_eq!(
+        refused([2, 2, 2], &values, bounds),
+        Some(IndexGridError::Index { point: [1, 1, 0], index: 0.0 })
+    );
+    assert!(matches!(refused([1, 1, 1], &[f32::NAN], bounds), Some(IndexGridError::Index { .. })));
+    assert_eq!(
+        refused([2, 2, 1], &values, bounds),
+        Some(IndexGridError::Count { size: [2, 2, 1], values: 8 })
+    );
+    assert!(matches!(refused([u32::MAX; 3], &[], bounds), Some(IndexGridError::Count { .. })));
+    assert_eq!(refused([1, 1, 1], &[1.0], [Vec3::ONE, Vec3::ONE]), Some(IndexGridError::EmptyBox));
 }

@@ -4,10 +4,11 @@ Each class has a keyword argument for each field of its block; `None` leaves a f
 """
 
 from ._cameras import FisheyeCamera, OrthographicCamera, PanoramaCamera, PerspectiveCamera, StereoCubemapCamera
-from ._light import AirLayers, BlackHole, DirectionalLight, FunctionMedium, GradientIndex, GridMedium, LinearIndex, LuneburgLens, MaxwellFishEye, Medium, PointLight, RodLens, SpotLight, TextureMedium, Wormhole
-from ._materials import AccretionDisk, BTF, Checkerboard, Glass, Interface, Marble, Material, Matte, Measured, Metal, Mix, Noise, PhongMaterial, Principled, Wood
+from ._lights import DirectionalLight, PointLight, SpotLight
+from ._materials import AccretionDisk, BTF, Checkerboard, Glass, GravitationalLens, Interface, Marble, Material, Matte, Measured, Metal, Mix, Noise, PhongMaterial, Principled, Wood
+from ._media import AirLayers, BlackHole, FunctionMedium, GradientIndex, GridMedium, IndexGrid, LinearIndex, LuneburgLens, MaxwellFishEye, Medium, RodLens, TextureMedium, Wormhole
 from ._objects import Curves, Define, Difference, DistanceGrid, Group, HeightField, Instance, Intersection, Isosurface, Lathe, Lorentz, Matrix, Matrix4f, Merge, Model, Prism, Rotate, Scale, SphereSweep, Text, Transform, Translate, TriangleMesh, UniformScale, Union, XRotate, YRotate, ZRotate
-from ._others import Animation, Background, CylinderPart, Fog, FollowPath, Key, Lights, Materials, Media, Motion, Outline, Path, PlanePart, Profile, Settings, Sky, SpherePart, Strand, Textures
+from ._others import Animation, Background, CylinderPart, Fog, FollowPath, Key, Lights, Materials, Media, Motion, Outline, Path, PlanePart, Profile, Settings, Sky, SpherePart, Stars, Strand, Textures, WorldLine
 from ._patterns_a import Agate, Brick, Cells, Checks, Clouds, Crackle, Gabor, Gradient, Granite, Hexagons, Leopard
 from ._patterns_n import Onion, Radial, Ridged, Rings, Ripples, Spiral, Timber, Turbulence, Veins, Waves, Worley, Wrinkles
 from ._picture import Picture
@@ -55,10 +56,12 @@ __all__ = [
     "Gradient",
     "GradientIndex",
     "Granite",
+    "GravitationalLens",
     "GridMedium",
     "Group",
     "HeightField",
     "Hexagons",
+    "IndexGrid",
     "Instance",
     "Interface",
     "Intersection",
@@ -121,6 +124,7 @@ __all__ = [
     "SphereSweep",
     "Spiral",
     "SpotLight",
+    "Stars",
     "StereoCubemapCamera",
     "Strand",
     "Superellipsoid",
@@ -140,6 +144,7 @@ __all__ = [
     "Veins",
     "Waves",
     "Wood",
+    "WorldLine",
     "Worley",
     "Wormhole",
     "Wrinkles",

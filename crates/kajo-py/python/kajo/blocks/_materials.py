@@ -653,6 +653,62 @@ class AccretionDisk(MaterialBlock):
         self.bump = bump
 
 
+class GravitationalLens(MaterialBlock):
+    """The plane of a mass that turns the light of what is far behind it.
+
+    Args:
+        center: its middle (x y z). Default: 0 0 0.
+        mass: of a point: light at the distance b is turned by 4 mass / b (number ≥ 0, length).
+            Default: 0.
+        dispersion: of the velocities of a galaxy's stars, over that of light: turns light by 4
+            pi dispersion^2 (number from 0 to 0.25). Default: 0.
+        axis_ratio: how flat the galaxy is seen (number from 0.01 to 1). Default: 1.
+        axis: where it is longer (x y z). Default: 1 0 0.
+        core: radius within which all mass is spread out (number ≥ 0, length). Default: 0.
+        emission: light that it gives itself (r g b, or another light value, W/(m² sr), or a
+            texture). Default: 0 0 0.
+        emits: the side that gives light (back, both or front). Default: both.
+        group: name of the lights it is seen among (word or text). Default: none.
+        opacity: the share of it that is there, between holes (number from 0 to 1, or a
+            texture). Default: 1.
+        normal_map: a picture of normals that dents it, such as hammered.png (picture, or a
+            texture). Default: none.
+        bump: a picture or a function of heights that dents it, such as bricks.png (picture, or
+            a texture). Default: none.
+    """
+
+    keyword = "GravitationalLens"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        center: Vector | None = None,
+        mass: Number | None = None,
+        dispersion: Number | None = None,
+        axis_ratio: Number | None = None,
+        axis: Vector | None = None,
+        core: Number | None = None,
+        emission: Emission | Texture | None = None,
+        emits: Literal["back", "both", "front"] | None = None,
+        group: str | None = None,
+        opacity: Number | Texture | None = None,
+        normal_map: Texture | None = None,
+        bump: Texture | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.center = center
+        self.mass = mass
+        self.dispersion = dispersion
+        self.axis_ratio = axis_ratio
+        self.axis = axis
+        self.core = core
+        self.emission = emission
+        self.emits = emits
+        self.group = group
+        self.opacity = opacity
+        self.normal_map = normal_map
+        self.bump = bump
+
+
 class Checkerboard(MaterialBlock):
     """Two materials in cubes of length one.
 

@@ -384,6 +384,48 @@ class Sky(PartBlock):
         self.sun = sun
 
 
+class Stars(PartBlock):
+    """Stars before whatever else a `Background` is.
+
+    Args:
+        count: how many are strewn over the sky (whole number from 1 to 10000000). Default:
+            9000.
+        seed: chooses one of many skies (whole number from 0 to 999999999). Default: 0.
+        faintest: magnitude of the faintest ones that are strewn (number from -5 to 25).
+            Default: 6.5.
+        galaxy: the share of those that lies in a band around the sky (number from 0 to 1).
+            Default: 0.4.
+        pole: perpendicular to that band (x y z). Default: 0.5 1 0.25.
+        catalog: a table in their place: right ascension, declination, magnitude, temperature
+            (file). Default: none.
+        radius: how large each is seen (degrees from 0.0001 to 5). Default: 0.04.
+        scale: makes them brighter; 1 for lux (number ≥ 0). Default: 1.
+    """
+
+    keyword = "stars"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        count: int | None = None,
+        seed: int | None = None,
+        faintest: Number | None = None,
+        galaxy: Number | None = None,
+        pole: Vector | None = None,
+        catalog: File | None = None,
+        radius: Number | None = None,
+        scale: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.count = count
+        self.seed = seed
+        self.faintest = faintest
+        self.galaxy = galaxy
+        self.pole = pole
+        self.catalog = catalog
+        self.radius = radius
+        self.scale = scale
+
+
 class Fog(Block):
     """What fills the air, for the classic integrator.
 
@@ -523,3 +565,29 @@ class FollowPath(PartBlock):
         self.up = up
         self.bank = bank
         self.turn = turn
+
+
+class WorldLine(PartBlock):
+    """Where a camera is that moves nearly as fast as light, by its own clock.
+
+    Args:
+        event: a moment of the world, and where the camera is then (4 numbers). Default: none.
+        acceleration: what it feels all the time, from rest in its `center` on: speeds of light
+            per time (x y z, 1/length). Default: none.
+        proper_time: what its own clock shows, from the first event or from rest on (number).
+            Default: 0.
+    """
+
+    keyword = "WorldLine"
+    several: ClassVar[tuple[str, ...]] = ("event",)
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        event: Sequence[Number | Vector] | None = None,
+        acceleration: Vector | None = None,
+        proper_time: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.event = event
+        self.acceleration = acceleration
+        self.proper_time = proper_time

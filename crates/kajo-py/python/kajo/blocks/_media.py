@@ -1,4 +1,4 @@
-"""Lights and media: written by `cargo xtask tables`, not by hand."""
+"""Media: written by `cargo xtask tables`, not by hand."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from .._items import (
     Function,
     Item,
-    LightBlock,
     MediumBlock,
 )
 
@@ -336,6 +335,8 @@ class GradientIndex(MediumBlock):
         noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
         noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
             1.
+        noise_origin: where the noise has its origin; keys of an animation make it drift (x y
+            z). Default: 0 0 0.
         octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
         integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
             Default: adaptive.
@@ -352,6 +353,7 @@ class GradientIndex(MediumBlock):
         abbe_number: Number | None = None,
         noise: Number | None = None,
         noise_frequency: Vector | None = None,
+        noise_origin: Vector | None = None,
         octaves: int | None = None,
         integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
         steps: int | None = None,
@@ -361,6 +363,79 @@ class GradientIndex(MediumBlock):
         self.abbe_number = abbe_number
         self.noise = noise
         self.noise_frequency = noise_frequency
+        self.noise_origin = noise_origin
+        self.octaves = octaves
+        self.integrator = integrator
+        self.steps = steps
+
+
+class IndexGrid(MediumBlock):
+    """Clear matter that bends light, by indices of refraction on a grid.
+
+    Args:
+        file: its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values
+            (file). Default: none.
+        grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
+            first.
+        values: its numbers, as many as `size` says, x first (numbers). Default: those of
+            `file`.
+        size: numbers along x, y and z, of `values` and of raw files (3 whole numbers from 1 to
+            4294967295). Default: by the file.
+        encoding: how a raw file stores numbers (f32, u16 or u8). Default: by the file.
+        min: the corner of its box with the smallest coordinates (x y z). Default: by the file,
+            or -1 -1 -1.
+        max: the corner of its box with the largest coordinates (x y z). Default: by the file,
+            or 1 1 1.
+        scale: what its numbers are multiplied by (number). Default: 1.
+        offset: index of refraction where the number is 0 (number). Default: 0.
+        abbe_number: how little it splits colours (number > 0). Default: all colours alike.
+        noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
+        noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
+            1.
+        noise_origin: where the noise has its origin; keys of an animation make it drift (x y
+            z). Default: 0 0 0.
+        octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
+        integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
+            Default: adaptive.
+        steps: of the fixed integrators, for the diagonal of the body (whole number from 1 to
+            1000000). Default: 1000.
+    """
+
+    keyword = "IndexGrid"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        file: File | None = None,
+        grid: str | None = None,
+        values: Number | Vector | None = None,
+        size: int | Sequence[int] | None = None,
+        encoding: Literal["f32", "u16", "u8"] | None = None,
+        min: Vector | None = None,
+        max: Vector | None = None,
+        scale: Number | None = None,
+        offset: Number | None = None,
+        abbe_number: Number | None = None,
+        noise: Number | None = None,
+        noise_frequency: Vector | None = None,
+        noise_origin: Vector | None = None,
+        octaves: int | None = None,
+        integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
+        steps: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.file = file
+        self.grid = grid
+        self.values = values
+        self.size = size
+        self.encoding = encoding
+        self.min = min
+        self.max = max
+        self.scale = scale
+        self.offset = offset
+        self.abbe_number = abbe_number
+        self.noise = noise
+        self.noise_frequency = noise_frequency
+        self.noise_origin = noise_origin
         self.octaves = octaves
         self.integrator = integrator
         self.steps = steps
@@ -376,6 +451,8 @@ class LuneburgLens(MediumBlock):
         noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
         noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
             1.
+        noise_origin: where the noise has its origin; keys of an animation make it drift (x y
+            z). Default: 0 0 0.
         octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
         integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
             Default: adaptive.
@@ -392,6 +469,7 @@ class LuneburgLens(MediumBlock):
         abbe_number: Number | None = None,
         noise: Number | None = None,
         noise_frequency: Vector | None = None,
+        noise_origin: Vector | None = None,
         octaves: int | None = None,
         integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
         steps: int | None = None,
@@ -402,6 +480,7 @@ class LuneburgLens(MediumBlock):
         self.abbe_number = abbe_number
         self.noise = noise
         self.noise_frequency = noise_frequency
+        self.noise_origin = noise_origin
         self.octaves = octaves
         self.integrator = integrator
         self.steps = steps
@@ -418,6 +497,8 @@ class MaxwellFishEye(MediumBlock):
         noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
         noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
             1.
+        noise_origin: where the noise has its origin; keys of an animation make it drift (x y
+            z). Default: 0 0 0.
         octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
         integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
             Default: adaptive.
@@ -435,6 +516,7 @@ class MaxwellFishEye(MediumBlock):
         abbe_number: Number | None = None,
         noise: Number | None = None,
         noise_frequency: Vector | None = None,
+        noise_origin: Vector | None = None,
         octaves: int | None = None,
         integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
         steps: int | None = None,
@@ -446,6 +528,7 @@ class MaxwellFishEye(MediumBlock):
         self.abbe_number = abbe_number
         self.noise = noise
         self.noise_frequency = noise_frequency
+        self.noise_origin = noise_origin
         self.octaves = octaves
         self.integrator = integrator
         self.steps = steps
@@ -463,6 +546,8 @@ class RodLens(MediumBlock):
         noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
         noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
             1.
+        noise_origin: where the noise has its origin; keys of an animation make it drift (x y
+            z). Default: 0 0 0.
         octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
         integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
             Default: adaptive.
@@ -481,6 +566,7 @@ class RodLens(MediumBlock):
         abbe_number: Number | None = None,
         noise: Number | None = None,
         noise_frequency: Vector | None = None,
+        noise_origin: Vector | None = None,
         octaves: int | None = None,
         integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
         steps: int | None = None,
@@ -493,6 +579,7 @@ class RodLens(MediumBlock):
         self.abbe_number = abbe_number
         self.noise = noise
         self.noise_frequency = noise_frequency
+        self.noise_origin = noise_origin
         self.octaves = octaves
         self.integrator = integrator
         self.steps = steps
@@ -510,6 +597,8 @@ class LinearIndex(MediumBlock):
         noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
         noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
             1.
+        noise_origin: where the noise has its origin; keys of an animation make it drift (x y
+            z). Default: 0 0 0.
         octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
         integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
             Default: adaptive.
@@ -527,6 +616,7 @@ class LinearIndex(MediumBlock):
         abbe_number: Number | None = None,
         noise: Number | None = None,
         noise_frequency: Vector | None = None,
+        noise_origin: Vector | None = None,
         octaves: int | None = None,
         integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
         steps: int | None = None,
@@ -538,6 +628,7 @@ class LinearIndex(MediumBlock):
         self.abbe_number = abbe_number
         self.noise = noise
         self.noise_frequency = noise_frequency
+        self.noise_origin = noise_origin
         self.octaves = octaves
         self.integrator = integrator
         self.steps = steps
@@ -561,6 +652,8 @@ class AirLayers(MediumBlock):
         noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
         noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
             1.
+        noise_origin: where the noise has its origin; keys of an animation make it drift (x y
+            z). Default: 0 0 0.
         octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
         integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
             Default: adaptive.
@@ -585,6 +678,7 @@ class AirLayers(MediumBlock):
         dispersion: bool | None = None,
         noise: Number | None = None,
         noise_frequency: Vector | None = None,
+        noise_origin: Vector | None = None,
         octaves: int | None = None,
         integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
         steps: int | None = None,
@@ -603,6 +697,7 @@ class AirLayers(MediumBlock):
         self.dispersion = dispersion
         self.noise = noise
         self.noise_frequency = noise_frequency
+        self.noise_origin = noise_origin
         self.octaves = octaves
         self.integrator = integrator
         self.steps = steps
@@ -679,129 +774,3 @@ class Wormhole(MediumBlock):
         self.into = into
         self.out = out
         self.up = up
-
-
-class DirectionalLight(LightBlock):
-    """Parallel light from far away, as of the sun.
-
-    Args:
-        direction: the way its light goes (x y z).
-        color: brightness by the classic formula (r g b, or another light value). Default: none.
-        irradiance: light on a surface that faces it (r g b, or another light value, W/m²).
-            Default: none.
-        angle: how wide it is in the sky; the sun: 0.53 (degrees from 0 to 180). Default: 0.
-        group: name of the lights it is seen among (word or text). Default: none.
-    """
-
-    keyword = "DirectionalLight"
-
-    def __init__(
-        self, *children: Item, name: str | None = None,
-        direction: Vector,
-        color: Emission | None = None,
-        irradiance: Emission | None = None,
-        angle: Number | None = None,
-        group: str | None = None,
-    ) -> None:
-        super().__init__(*children, name=name)
-        self.direction = direction
-        self.color = color
-        self.irradiance = irradiance
-        self.angle = angle
-        self.group = group
-
-
-class PointLight(LightBlock):
-    """Light from a point to all sides.
-
-    Args:
-        position: where it is (x y z).
-        color: brightness by the classic formula (r g b, or another light value). Default: none.
-        intensity: power per solid angle (r g b, or another light value, W/sr). Default: none.
-        power: all the light it gives (r g b, or another light value, W). Default: none.
-        attenuation: divides the colour by c0 + c1 d + c2 d² at the distance d (3 numbers).
-            Default: 1 0 0.
-        falloff: divides the colour by f d² at the distance d (number). Default: by
-            `attenuation`.
-        group: name of the lights it is seen among (word or text). Default: none.
-        ies: measured intensities, in place of all these (file). Default: none.
-        direction: where a measured luminaire points (x y z). Default: 0 -1 0.
-        rotate: turns a measured luminaire about its axis (degrees). Default: 0.
-        scale: makes a measured luminaire brighter (number ≥ 0). Default: 1.
-    """
-
-    keyword = "PointLight"
-
-    def __init__(
-        self, *children: Item, name: str | None = None,
-        position: Vector,
-        color: Emission | None = None,
-        intensity: Emission | None = None,
-        power: Emission | None = None,
-        attenuation: Number | Vector | None = None,
-        falloff: Number | None = None,
-        group: str | None = None,
-        ies: File | None = None,
-        direction: Vector | None = None,
-        rotate: Number | None = None,
-        scale: Number | None = None,
-    ) -> None:
-        super().__init__(*children, name=name)
-        self.position = position
-        self.color = color
-        self.intensity = intensity
-        self.power = power
-        self.attenuation = attenuation
-        self.falloff = falloff
-        self.group = group
-        self.ies = ies
-        self.direction = direction
-        self.rotate = rotate
-        self.scale = scale
-
-
-class SpotLight(LightBlock):
-    """Light from a point into a cone.
-
-    Args:
-        position: where it is (x y z).
-        direction: where it points (x y z).
-        angle: full width of the cone (degrees from 0 to 360).
-        inner_angle: width of the cone that is evenly bright (degrees from 0 to 360). Default: ¾
-            of `angle`.
-        color: brightness by the classic formula (r g b, or another light value). Default: none.
-        intensity: power per solid angle (r g b, or another light value, W/sr). Default: none.
-        power: all the light it gives (r g b, or another light value, W). Default: none.
-        attenuation: divides the colour by c0 + c1 d + c2 d² at the distance d (3 numbers).
-            Default: 1 0 0.
-        falloff: divides the colour by f d² at the distance d (number). Default: by
-            `attenuation`.
-        group: name of the lights it is seen among (word or text). Default: none.
-    """
-
-    keyword = "SpotLight"
-
-    def __init__(
-        self, *children: Item, name: str | None = None,
-        position: Vector,
-        direction: Vector,
-        angle: Number,
-        inner_angle: Number | None = None,
-        color: Emission | None = None,
-        intensity: Emission | None = None,
-        power: Emission | None = None,
-        attenuation: Number | Vector | None = None,
-        falloff: Number | None = None,
-        group: str | None = None,
-    ) -> None:
-        super().__init__(*children, name=name)
-        self.position = position
-        self.direction = direction
-        self.angle = angle
-        self.inner_angle = inner_angle
-        self.color = color
-        self.intensity = intensity
-        self.power = power
-        self.attenuation = attenuation
-        self.falloff = falloff
-        self.group = group
