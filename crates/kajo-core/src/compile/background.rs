@@ -191,7 +191,7 @@ impl Compiler<'_> {
                     self.diagnostics.push(error);
                 };
                 room.map_err(report).ok()?;
-                StarDraw { count, seed, faintest, galaxy, pole: pole.0.normalize() }.stars()
+                StarDraw { count, seed, faintest, galaxy, pole: pole.0 }.stars()
             }
         };
         Some(Box::new(StarField::new(&stars, radius.to_radians(), scale)))

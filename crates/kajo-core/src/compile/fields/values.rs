@@ -326,7 +326,7 @@ impl Plain<'_> for Direction {
 
 impl Stated for Direction {
     fn of(constant: Constant) -> Option<Direction> {
-        Vec3::of(constant).map(Direction)
+        Vec3::of(constant)?.try_normalize().map(Direction)
     }
 }
 
