@@ -110,7 +110,7 @@ pub(super) const STARS: Block = Block {
 };
 
 /// The most bytes of a catalogue of stars.
-const LARGEST_CATALOG: u64 = 1 << 30;
+const LARGEST_CATALOG: u64 = 1 << 28;
 
 pub(super) const FOG: Block = Block {
     keyword: "Fog",
@@ -181,16 +181,10 @@ impl Compiler<'_> {
         })?;
         let StarKeys { count, seed, faintest, galaxy, pole, catalog, radius, scale } = keys;
         let count = count.map_or(9000, |count| count.value);
-        let stars = match catalog {
-            Some(file) => self.star_catalog(&file)?,
+        let stars = match &catalog {
+            Some(file) => self.star_catalog(file)?,
             None => {
-                let bytes = u64::from(count) * size_of::<Star>() as u64;
-                let room = self.options.limits.memory.take(bytes).map_err(|over| over.to_string());
-                let report = |message| {
-                    let error = Diagnostic::error(message).label(item.head_span(), "too many stars");
-                    self.diagnostics.push(error);
-                };
-                room.map_err(report).ok()?;
+                self.room_for_stars(item, u64::from(count))?;
                 StarDraw { count, seed, faintest, galaxy, pole: pole.0 }.stars()
             }
         };
@@ -209,7 +203,18 @@ impl Compiler<'_> {
             let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));
             self.diagnostics.push(error.label(item.head_span(), "named here"));
         };
-        stars.map_err(report).ok()
+        let stars = stars.map_err(report).ok()?;
+        self.room_for_stars(*item, stars.len() as u64)?;
+        Some(stars)
+    }
+
+    /// Takes memory for stars, and for the lists by which they are found; that there is none is reported.
+    fn room_for_stars(&mut self, item: Item<'_>, count: u64) -> Option<()> {
+        let bytes = 3 * count * size_of::<Star>() as u64;
+        let report = |message: String| {
+            self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "too many stars"));
+        };
+        self.options.limits.memory.take(bytes).map_err(|over| report(over.to_string())).ok()
     }
 
     /// * `rotate`: in degrees
