@@ -211,10 +211,11 @@ impl Compiler<'_> {
     /// Takes memory for stars, and for the lists by which they are found; that there is none is reported.
     fn room_for_stars(&mut self, item: Item<'_>, count: u64) -> Option<()> {
         let bytes = 3 * count * size_of::<Star>() as u64;
+        let room = self.options.limits.memory.take(bytes).map_err(|over| over.to_string());
         let report = |message: String| {
             self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "too many stars"));
         };
-        self.options.limits.memory.take(bytes).map_err(|over| report(over.to_string())).ok()
+        room.map_err(report).ok()
     }
 
     /// * `rotate`: in degrees
