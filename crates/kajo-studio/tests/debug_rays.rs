@@ -189,6 +189,5 @@ fn rays_of_integrators_that_prepare_something_come_when_that_is_done() {
     assert!(window.studio().rays.is_none() && window.studio().rays_progress().is_none());
     shoot(&mut window, ball);
     window.harness.get_by_label("Stop").click();
-    window.frames(2);
-    assert!(window.studio().rays.is_none() && window.studio().rays_progress().is_none());
+    window.wait(|studio| studio.rays.is_none() && studio.rays_progress().is_none());
 }
