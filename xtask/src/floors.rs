@@ -103,6 +103,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
             "motion",
             "shape",
             "sky_disc",
+            "star_field",
         ],
     ),
     ("item_buffer", &["ids", "shape"]),
@@ -116,7 +117,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
     ("environment", &[]),
     ("sky_disc", &[]),
     ("daylight", &["environment", "sky_disc"]),
-    ("star_field", &["environment"]),
+    ("star_field", &[]),
     ("background", &["interaction", "environment", "daylight", "star_field"]),
     (
         "scene",

@@ -5,6 +5,8 @@
 //!
 //! Scene: `Background { color 0.2 0.3 0.5  ambientLight 0.1 0.1 0.1  cubeMap sky }`
 
+use std::sync::Arc;
+
 use kajo_color::{Emission, RgbBasis, Spectrum, Wavelengths};
 use kajo_image::Image;
 use kajo_math::{Vec2, Vec3};
@@ -37,7 +39,7 @@ pub enum Background {
         /// What is behind them.
         behind: Box<Background>,
         /// The stars.
-        stars: Box<StarField>,
+        stars: Arc<StarField>,
     },
 }
 
@@ -89,14 +91,14 @@ impl Background {
         }
     }
 
-    /// Where light comes from, to draw directions by; `None` where it comes from everywhere alike, or from nowhere.
+    /// Where light comes from, stars left out, to draw directions by; `None` where it comes from everywhere alike, or from nowhere.
     pub fn density(&self) -> Option<SphereDensity> {
         match self {
             Background::Constant { .. } => None,
             Background::CubeMap(map) => map.density(),
             Background::Environment(environment) => environment.density(),
             Background::Sky(sky) => sky.density(),
-            Background::Starry { behind, stars } => stars.density(|d| behind.color(d).luminance()),
+            Background::Starry { behind, .. } => behind.density(),
         }
     }
 

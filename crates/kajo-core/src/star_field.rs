@@ -13,14 +13,12 @@
 //!
 //! Scene: `Background { stars { count 9000  galaxy 0.5 } }`
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 use std::fmt;
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::rng::Stream;
 use kajo_math::{Frame, Vec2, Vec3, fmath};
-
-use crate::environment::{SphereDensity, direction_of, uv_of};
 
 /// A point of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,8 +64,12 @@ const HOTTEST: f32 = 40_000.0;
 #[derive(Debug)]
 pub struct StarField {
     stars: Vec<PlacedStar>,
-    /// `1 - cos r` of the angular radius.
+    /// Sums of the illuminances up to each star.
+    sums: Vec<f64>,
+    /// `H = 1 - cos r` of the angular radius.
     height: f32,
+    /// Luminance in the middle of a disc over its illuminance, `3 / (2 pi H)`.
+    peak: f32,
     /// Squares along the edge of a face.
     side: usize,
     /// Where the stars of each square begin in `listed`, and where the last ones end.
@@ -183,11 +185,19 @@ impl StarField {
         let step = fmath::ln(HOTTEST / COOLEST) / (COLORS - 1) as f32;
         let color = |i: usize| Emission::blackbody(COOLEST * fmath::exp(step * i as f32));
         let stars: Vec<PlacedStar> = stars.iter().map(placed).collect();
+        let mut sum = 0.0;
+        let sums = stars.iter().map(|star| {
+            sum += f64::from(star.illuminance);
+            sum
+        });
+        let sums = sums.collect();
         // About a star in a square, and no square much smaller than a star.
         let side = ((stars.len() as f32 / 6.0).sqrt().min(0.5 / radius.max(1e-4)) as usize).clamp(1, 1024);
         let mut field = StarField {
             stars,
+            sums,
             height: 2.0 * half * half,
+            peak: 3.0 / (TAU * 2.0 * half * half),
             side,
             starts: Vec::new(),
             listed: Vec::new(),
@@ -249,11 +259,10 @@ impl StarField {
             Some(&[from, to]) => &self.listed[from as usize..to as usize],
             _ => &[],
         };
-        let brightest = 3.0 / (TAU * self.height);
         listed.iter().filter_map(move |&i| {
             let star = &self.stars[i as usize];
             let rest = 1.0 - 0.5 * d.distance_squared(star.direction) / self.height;
-            (rest > 0.0).then_some((star, star.illuminance * brightest * rest * rest))
+            (rest > 0.0).then_some((star, star.illuminance * self.peak * rest * rest))
         })
     }
 
@@ -273,44 +282,50 @@ impl StarField {
         })
     }
 
-    /// Where light comes from, with that of what is behind the stars.
+    /// Density per solid angle of the unit direction `d` among those that are drawn: luminance over the illuminance of all stars together.
+    pub fn pdf(&self, d: Vec3) -> f32 {
+        let luminance: f32 = self.seen(d).map(|(_, luminance)| luminance).sum();
+        let pdf = luminance / self.illuminance() as f32;
+        if pdf.is_finite() { pdf } else { 0.0 }
+    }
+
+    /// A unit direction, drawn in proportion to luminance: a star by its illuminance, and a point of its disc by `1 - (1 - h/H)^3`, which
+    /// is the light within `h`. `None` where no star gives light.
     ///
-    /// * `behind`: its luminance in a unit direction
-    pub fn density(&self, behind: impl Fn(Vec3) -> f32) -> Option<SphereDensity> {
-        const SIZE: [usize; 2] = [1024, 512];
-        let [width, height] = SIZE;
-        let place = |d: Vec3| {
-            let uv = uv_of(d);
-            [uv.x * width as f32, uv.y * height as f32].map(|x| x as usize)
-        };
-        let mut illuminance = vec![0.0_f32; width * height];
-        for star in &self.stars {
-            let [x, y] = place(star.direction);
-            illuminance[y.min(height - 1) * width + x.min(width - 1)] += star.illuminance;
-        }
-        let luminance = |x: usize, y: usize| {
-            let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
-            let solid_angle = TAU / width as f32 * PI / height as f32 * fmath::sin(PI * uv.y);
-            behind(direction_of(uv)) + illuminance[y * width + x] / solid_angle
-        };
-        SphereDensity::new(width, height, 0.0, luminance)
+    /// * `u`: uniform in [0, 1)²
+    pub fn sample(&self, u: Vec2) -> Option<Vec3> {
+        let of_all = f64::from(u.x) * self.illuminance();
+        let i = self.sums.partition_point(|&sum| sum <= of_all);
+        let star = self.stars.get(i)?;
+        let before = if i == 0 { 0.0 } else { self.sums[i - 1] };
+        let rest = (1.0 - (of_all - before) / (self.sums[i] - before)).clamp(0.0, 1.0) as f32;
+        let h = self.height * (1.0 - fmath::pow(rest, 1.0 / 3.0));
+        let (sin, cos) = fmath::sin_cos(TAU * u.y);
+        let across = (h * (2.0 - h)).sqrt();
+        let local = Vec3::new(across * cos, across * sin, 1.0 - h);
+        Some(Frame::from_normal(star.direction).to_world(local).normalize())
+    }
+
+    /// That of all stars together.
+    fn illuminance(&self) -> f64 {
+        self.sums.last().copied().unwrap_or(0.0)
     }
 
     /// The mean luminance of all directions.
     pub fn mean_luminance(&self) -> f32 {
-        let all: f64 = self.stars.iter().map(|star| f64::from(star.illuminance)).sum();
-        (all / (4.0 * std::f64::consts::PI)) as f32
+        (self.illuminance() / (4.0 * std::f64::consts::PI)) as f32
     }
 
     /// Whether none of them gives light.
     pub fn is_black(&self) -> bool {
-        self.stars.iter().all(|star| star.illuminance == 0.0)
+        self.illuminance() == 0.0
     }
 
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let finite = |star: &PlacedStar| star.direction.is_finite() && star.illuminance.is_finite();
-        self.height.is_finite() && self.stars.iter().all(finite)
+        let finite =
+            |star: &PlacedStar| star.direction.is_finite() && (self.peak * star.illuminance).is_finite();
+        self.stars.iter().all(finite)
     }
 }
 
@@ -386,6 +401,27 @@ mod tests {
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
         let mean = f64::from(field.mean_luminance()) * 4.0 * std::f64::consts::PI;
         assert!((mean / expected - 1.0).abs() < 1e-4, "{mean}");
+    }
+
+    /// Luminance over density is the same in all directions that are drawn, at the poles and where discs overlap as well.
+    #[test]
+    fn drawn_directions_are_as_dense_as_they_are_bright() {
+        let star = |direction: Vec3, magnitude| Star { direction, magnitude, temperature: 6500.0 };
+        let near = Vec3::new(0.03, 1.0, 0.0).normalize();
+        let field =
+            field(&[star(Vec3::Y, 1.0), star(near, 0.0), star(Vec3::NEG_Y, 2.0), star(Vec3::X, 40.0)], 0.05);
+        let all = field.mean_luminance() * 4.0 * std::f32::consts::PI;
+        let mut south = 0.0;
+        for (i, j) in (0..64).flat_map(|i| (0..64).map(move |j| (i, j))) {
+            let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / 64.0;
+            let d = field.sample(u).expect("a direction");
+            let pdf = field.pdf(d);
+            assert!((field.color(d).luminance() - pdf * all).abs() < 1e-3 * pdf * all, "{d}: {pdf}");
+            south += f32::from(u8::from(d.y < 0.0)) / 4096.0;
+        }
+        let expected = 10f32.powf(-0.8) / (1.0 + 10f32.powf(-0.4) + 10f32.powf(-0.8));
+        assert!((south - expected).abs() < 0.02, "{south} {expected}");
+        assert_eq!(StarField::new(&[], 0.05, 1.0).sample(Vec2::ZERO), None);
     }
 
     #[test]

@@ -28,7 +28,11 @@ impl SplineGrid {
 
     /// The spline through numbers.
     ///
-    /// * `values`: as many as there are places, x first, then y; at least one along each axis
+    /// * `values`: as many as there are points, x first, then y; at least one along each axis
+    ///
+    /// # Panics
+    ///
+    /// If there are more or fewer.
     pub fn new(size: [u32; 3], values: &[f32]) -> SplineGrid {
         let size = size.map(|n| n as usize);
         assert_eq!(values.len(), size.iter().product::<usize>());

@@ -57,6 +57,9 @@ impl Phong {
         eta: 1.0,
     };
 
+    /// A surface that is not seen: all light goes straight on.
+    pub const CLEAR: Phong = Phong { transparent: Spectrum::WHITE, ..Phong::BLACK };
+
     /// Light reflected towards the viewer from one light.
     ///
     /// * `n`: unit normal on the side where the light is to count

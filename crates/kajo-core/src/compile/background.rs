@@ -1,5 +1,7 @@
 //! `Background` and `Fog` blocks.
 
+use std::sync::Arc;
+
 use kajo_color::{Emission, srgb};
 use kajo_image::{Decoded, Format, Image};
 use kajo_math::Vec3;
@@ -171,7 +173,7 @@ impl Compiler<'_> {
         Some(Box::new(Sky::new(&settings)))
     }
 
-    fn stars(&mut self, item: Item<'_>) -> Option<Box<StarField>> {
+    fn stars(&mut self, item: Item<'_>) -> Option<Arc<StarField>> {
         let keys = self.read_keys(item, |params, sources| {
             if params.contains("catalog") {
                 report_beside(params, StarKeys::FIELDS, "catalog");
@@ -188,7 +190,7 @@ impl Compiler<'_> {
                 StarDraw { count, seed, faintest, galaxy, pole: pole.0 }.stars()
             }
         };
-        Some(Box::new(StarField::new(&stars, radius.to_radians(), scale)))
+        Some(Arc::new(StarField::new(&stars, radius.to_radians(), scale)))
     }
 
     /// The stars of a table; why it has none is reported.

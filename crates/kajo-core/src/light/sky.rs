@@ -6,6 +6,8 @@
 //! ```text
 //! p = s p_sun + (1 - s) p_sky
 //! ```
+//!
+//! Stars have a density of their own, which is mixed with that of what is behind them in proportion to the power of both.
 
 use std::f32::consts::PI;
 use std::sync::{Arc, OnceLock};
@@ -21,15 +23,74 @@ use super::{
 use crate::background::Background;
 use crate::daylight::Sun;
 use crate::environment::SphereDensity;
+use crate::star_field::StarField;
 
 /// Light from everywhere around the scene.
 #[derive(Clone, Debug)]
 pub struct SkyLight {
     background: Arc<Background>,
-    /// Made when it is first asked for; `None` for the uniform density.
-    density: OnceLock<Option<SphereDensity>>,
+    /// Made when it is first asked for.
+    density: OnceLock<SkyDensity>,
     /// The share of directions that go to the sun.
     sun_share: f32,
+}
+
+/// How directions are drawn, the sun's disc left out.
+#[derive(Clone, Debug)]
+enum SkyDensity {
+    Uniform,
+    Picture(SphereDensity),
+    /// Stars with a share of the directions, and what is behind them with the rest.
+    Starry {
+        share: f32,
+        stars: Arc<StarField>,
+        behind: Box<SkyDensity>,
+    },
+}
+
+impl SkyDensity {
+    fn of(background: &Background) -> SkyDensity {
+        /// Neither stars nor what is behind them may be forgotten.
+        const LEAST: f32 = 0.02;
+        match background {
+            Background::Starry { behind, stars } if !stars.is_black() => {
+                let [own, other] = [stars.mean_luminance(), behind.mean_luminance()];
+                let share =
+                    if behind.is_black() { 1.0 } else { (own / (own + other)).clamp(LEAST, 1.0 - LEAST) };
+                let behind = Box::new(SkyDensity::of(behind));
+                SkyDensity::Starry { share, stars: Arc::clone(stars), behind }
+            }
+            _ => background.density().map_or(SkyDensity::Uniform, SkyDensity::Picture),
+        }
+    }
+
+    /// Per solid angle.
+    #[inline]
+    fn pdf(&self, wi: Vec3) -> f32 {
+        match self {
+            SkyDensity::Uniform => 1.0 / (4.0 * PI),
+            SkyDensity::Picture(density) => density.pdf(wi),
+            SkyDensity::Starry { share, stars, behind } => {
+                share * stars.pdf(wi) + (1.0 - share) * behind.pdf(wi)
+            }
+        }
+    }
+
+    /// A unit direction and its density.
+    #[inline]
+    fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        match self {
+            SkyDensity::Uniform => Some((warp::uniform_sphere(u), 1.0 / (4.0 * PI))),
+            SkyDensity::Picture(density) => density.sample(u),
+            SkyDensity::Starry { share, stars, behind } => {
+                let wi = match u.x < *share {
+                    true => stars.sample(Vec2::new(u.x / share, u.y))?,
+                    false => behind.sample(Vec2::new((u.x - share) / (1.0 - share), u.y))?.0,
+                };
+                Some((wi, self.pdf(wi))).filter(|&(_, pdf)| pdf > 0.0)
+            }
+        }
+    }
 }
 
 impl SkyLight {
@@ -40,14 +101,14 @@ impl SkyLight {
     }
 
     #[inline]
-    fn density(&self) -> Option<&SphereDensity> {
-        self.density.get_or_init(|| self.background.density()).as_ref()
+    fn density(&self) -> &SkyDensity {
+        self.density.get_or_init(|| SkyDensity::of(&self.background))
     }
 
     /// Density per solid angle with which the unit direction `wi` is drawn.
     #[inline]
     fn pdf(&self, wi: Vec3) -> f32 {
-        let sky = self.density().map_or(1.0 / (4.0 * PI), |density| density.pdf(wi));
+        let sky = self.density().pdf(wi);
         match self.background.sun() {
             Some((sun, _)) if sun.disc().covers(wi) => {
                 (1.0 - self.sun_share) * sky + self.sun_share / Sun::SOLID_ANGLE
@@ -66,10 +127,7 @@ impl SkyLight {
             return Some((wi, self.pdf(wi)));
         }
         let u = Vec2::new((u.x - self.sun_share) / (1.0 - self.sun_share), u.y);
-        let (wi, pdf) = match self.density() {
-            Some(density) => density.sample(u)?,
-            None => (warp::uniform_sphere(u), 1.0 / (4.0 * PI)),
-        };
+        let (wi, pdf) = self.density().sample(u)?;
         Some((wi, if self.sun_share > 0.0 { self.pdf(wi) } else { pdf }))
     }
 }
@@ -173,6 +231,41 @@ impl Emitter for SkyLight {
             | Background::Environment(_)
             | Background::Sky(_)
             | Background::Starry { .. } => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::star_field::Star;
+
+    /// Drawn directions find all light of stars and of what is behind them, and their density is one everywhere.
+    #[test]
+    fn stars_and_what_is_behind_them_are_drawn_by_their_power() {
+        let star = |direction: Vec3, magnitude: f32| Star { direction, magnitude, temperature: 6500.0 };
+        let stars = || {
+            let all = [star(Vec3::X, -1.0), star(Vec3::new(0.0, 0.6, -0.8), 0.0), star(Vec3::NEG_Y, 1.0)];
+            Arc::new(StarField::new(&all, 0.02, 1e5))
+        };
+        let of_stars = 2.54e-1 * (10f64.powf(0.4) + 1.0 + 10f64.powf(-0.4));
+        for grey in [0.0, 0.02, 1.0] {
+            let behind = Box::new(Background::constant([grey; 3]));
+            let sky = SkyLight::new(Arc::new(Background::Starry { behind, stars: stars() }));
+            let expected = of_stars + 4.0 * f64::from(PI) * f64::from(grey);
+            const SIDE: u32 = 512;
+            let (mut sum, mut densities) = (0.0, 0.0);
+            for i in 0..SIDE * SIDE {
+                let u = Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
+                let Some((wi, pdf)) = sky.draw(u) else { continue };
+                assert_eq!(sky.pdf(wi), pdf, "{wi}");
+                let luminance = sky.background.radiance(wi, &Wavelengths::RGB).luminance();
+                sum += f64::from(luminance / pdf);
+                densities += f64::from(4.0 * PI * sky.pdf(warp::uniform_sphere(u)));
+            }
+            let n = f64::from(SIDE * SIDE);
+            assert!((sum / n / expected - 1.0).abs() < 0.02, "{grey}: {} for {expected}", sum / n);
+            assert!((densities / n - 1.0).abs() < 0.05, "{grey}: {}", densities / n);
         }
     }
 }

@@ -5,7 +5,6 @@
 //!
 //! Scene: `GravitationalLens galaxy { dispersion 0.05  axisRatio 0.7 }`
 
-use kajo_color::Spectrum;
 use kajo_math::gravity::ThinLens;
 use kajo_math::{DVec2, Frame, Vec3};
 
@@ -23,9 +22,6 @@ pub struct GravitationalLens {
     /// What it does to light.
     pub lens: ThinLens,
 }
-
-/// What the classic integrator sees: nothing.
-const CLEAR: Phong = Phong { transparent: Spectrum::WHITE, eta: 1.0, ..Phong::BLACK };
 
 impl GravitationalLens {
     /// What is added to the direction of light at a world-space point of a plane with the unit normal `n`.
@@ -50,11 +46,11 @@ impl Material for GravitationalLens {
     }
 
     fn phong(&self, _appearance: &Appearance, _at: &TextureContext) -> Phong {
-        CLEAR
+        Phong::CLEAR
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&CLEAR)
+        Some(&Phong::CLEAR)
     }
 
     fn may_transmit(&self, _appearance: &Appearance) -> bool {
@@ -73,7 +69,7 @@ mod tests {
     use super::*;
 
     fn lens(axis_ratio: f64) -> GravitationalLens {
-        let lens = ThinLens { mass: 0.01, dispersion: 0.1, axis_ratio, core: 0.05 };
+        let lens = ThinLens::new([0.01, 0.1], axis_ratio, 0.05);
         GravitationalLens { center: Vec3::new(1.0, 2.0, 3.0), axis: Vec3::new(1.0, 1.0, 0.4), lens }
     }
 

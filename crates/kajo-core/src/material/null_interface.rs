@@ -23,9 +23,6 @@ pub struct NullInterface {
     pub priority: i32,
 }
 
-/// What the classic integrator sees: nothing.
-const CLEAR: Phong = Phong { transparent: Spectrum::WHITE, eta: 1.0, ..Phong::BLACK };
-
 /// Indices nearer to each other than this part are the same: what the steps along a curve may have left.
 const SAME_INDEX: f32 = 1e-6;
 
@@ -46,11 +43,11 @@ impl Material for NullInterface {
     }
 
     fn phong(&self, _appearance: &Appearance, _at: &TextureContext) -> Phong {
-        CLEAR
+        Phong::CLEAR
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&CLEAR)
+        Some(&Phong::CLEAR)
     }
 
     fn may_transmit(&self, _appearance: &Appearance) -> bool {

@@ -20,17 +20,29 @@ use crate::fmath::{atan64, ln64};
 /// A lens in a plane; lengths are those of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
-    /// Mass of a point, as a length: half its Schwarzschild radius.
-    pub mass: f64,
-    /// Dispersion of velocities of an isothermal ellipsoid, over the speed of light.
-    pub dispersion: f64,
+    /// Mass of a point.
+    mass: f64,
+    /// The angle `b` of the ellipse.
+    bending: f64,
     /// Shorter over longer axis of the ellipse, in (0, 1].
-    pub axis_ratio: f64,
-    /// Radius within which both are spread out.
-    pub core: f64,
+    axis_ratio: f64,
+    /// `f`: its eccentricity.
+    eccentricity: f64,
+    core: f64,
 }
 
 impl ThinLens {
+    /// A point mass and an isothermal ellipsoid with one middle.
+    ///
+    /// * `mass`: that of the point as a length, half its Schwarzschild radius
+    /// * `dispersion`: of velocities in the ellipsoid, over the speed of light
+    /// * `axis_ratio`: shorter over longer axis of the ellipse, in (0, 1]
+    /// * `core`: the radius within which both are spread out
+    pub fn new([mass, dispersion]: [f64; 2], axis_ratio: f64, core: f64) -> ThinLens {
+        let bending = 4.0 * PI * dispersion * dispersion / axis_ratio.sqrt();
+        ThinLens { mass, bending, axis_ratio, eccentricity: (1.0 - axis_ratio * axis_ratio).sqrt(), core }
+    }
+
     /// By how much light is turned that crosses the plane at a point, in radians along both axes of the ellipse.
     pub fn deflection(&self, x: DVec2) -> DVec2 {
         self.of_point(x) + self.of_ellipse(x)
@@ -43,14 +55,12 @@ impl ThinLens {
     }
 
     fn of_ellipse(&self, x: DVec2) -> DVec2 {
-        let ThinLens { dispersion, axis_ratio: q, core: s, .. } = *self;
-        let b = 4.0 * PI * dispersion * dispersion / q.sqrt();
+        let ThinLens { bending: b, axis_ratio: q, eccentricity: f, core: s, .. } = *self;
         let psi = (q * q * (s * s + x.x * x.x) + x.y * x.y).sqrt();
         let [along, across] = [psi + s, psi + q * q * s];
         if b == 0.0 || along == 0.0 {
             return DVec2::ZERO;
         }
-        let f = (1.0 - q * q).sqrt();
         let [u, v] = [x.x / along, x.y / across];
         if f < 1e-6 {
             return -b * DVec2::new(u, v);
@@ -61,7 +71,7 @@ impl ThinLens {
 
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
-        [self.mass, self.dispersion, self.axis_ratio, self.core].iter().all(|v| v.is_finite())
+        [self.mass, self.bending, self.axis_ratio, self.eccentricity, self.core].iter().all(|v| v.is_finite())
     }
 }
 
@@ -69,7 +79,13 @@ impl ThinLens {
 mod tests {
     use super::*;
 
-    const GALAXY: ThinLens = ThinLens { mass: 0.0, dispersion: 0.1, axis_ratio: 0.6, core: 0.0 };
+    fn galaxy(axis_ratio: f64, core: f64) -> ThinLens {
+        ThinLens::new([0.0, 0.1], axis_ratio, core)
+    }
+
+    fn point(mass: f64) -> ThinLens {
+        ThinLens::new([mass, 0.0], 1.0, 0.0)
+    }
 
     /// Derivatives of both parts by both coordinates, by differences.
     fn slopes(lens: &ThinLens, x: DVec2) -> [DVec2; 2] {
@@ -89,7 +105,7 @@ mod tests {
     fn deflections_come_from_the_mass() {
         for core in [0.0, 0.3] {
             for q in [0.25, 0.6, 0.999_999_9, 1.0] {
-                let lens = ThinLens { axis_ratio: q, core, ..GALAXY };
+                let lens = galaxy(q, core);
                 let b = 4.0 * PI * 0.01 / q.sqrt();
                 for x in positions() {
                     let [by_x, by_y] = slopes(&lens, x);
@@ -105,23 +121,22 @@ mod tests {
     /// All mass of a point is within its core, and none is elsewhere.
     #[test]
     fn points_turn_light_by_four_masses_over_the_distance() {
-        let point = ThinLens { mass: 0.02, dispersion: 0.0, axis_ratio: 1.0, core: 0.0 };
-        assert_eq!(point.deflection(DVec2::new(0.0, 0.5)), DVec2::new(0.0, -0.16));
-        assert_eq!(point.deflection(DVec2::ZERO), DVec2::ZERO);
+        let star = point(0.02);
+        assert_eq!(star.deflection(DVec2::new(0.0, 0.5)), DVec2::new(0.0, -0.16));
+        assert_eq!(star.deflection(DVec2::ZERO), DVec2::ZERO);
         for x in positions() {
-            let [by_x, by_y] = slopes(&point, x);
+            let [by_x, by_y] = slopes(&star, x);
             assert!((by_x.x + by_y.y).abs() < 1e-6 && (by_x.y - by_y.x).abs() < 1e-6, "{x}");
         }
         // The Sun's limb, in kilometres: 1.75 seconds of arc.
-        let sun = ThinLens { mass: 1.476_625, ..point };
-        let seconds = sun.deflection(DVec2::new(695_700.0, 0.0)).x.to_degrees() * 3600.0;
+        let seconds = point(1.476_625).deflection(DVec2::new(695_700.0, 0.0)).x.to_degrees() * 3600.0;
         assert!((seconds + 1.751_2).abs() < 1e-3, "{seconds}");
     }
 
     /// A sphere turns light by the same angle everywhere.
     #[test]
     fn isothermal_spheres_turn_all_light_alike() {
-        let sphere = ThinLens { axis_ratio: 1.0, ..GALAXY };
+        let sphere = galaxy(1.0, 0.0);
         for x in positions() {
             let turned = sphere.deflection(x);
             assert!(
@@ -129,6 +144,6 @@ mod tests {
                 "{x}: {turned}"
             );
         }
-        assert_eq!(GALAXY.deflection(DVec2::ZERO), DVec2::ZERO);
+        assert_eq!(galaxy(0.6, 0.0).deflection(DVec2::ZERO), DVec2::ZERO);
     }
 }

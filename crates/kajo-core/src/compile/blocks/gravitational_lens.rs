@@ -41,6 +41,6 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Gravit
         params.report(warning.help("say its `mass`, or the `dispersion` of a galaxy"), "turns nothing");
     }
     let [mass, dispersion, axis_ratio, core] = [mass, dispersion, axis_ratio, core].map(f64::from);
-    let lens = ThinLens { mass, dispersion, axis_ratio, core };
+    let lens = ThinLens::new([mass, dispersion], axis_ratio, core);
     Some(GravitationalLens { center, axis: axis.0, lens })
 }
