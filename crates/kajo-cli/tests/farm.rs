@@ -175,7 +175,7 @@ fn children_of(parent: u32) -> Vec<u32> {
 #[cfg(target_os = "linux")]
 #[test]
 fn whatever_is_killed_the_same_command_goes_on() {
-    let kills = if std::env::var_os("KAJO_DEEP").is_some() { 200 } else { 12 };
+    let kills = if std::env::var_os("KAJO_DEEP").is_some() { 500 } else { 12 };
     let folder = Folder::new();
     let render = "ball.txt --size 150 100 --samples sobol 64 --integrator distribution";
     folder.succeed(&format!("render {render} -o plain.exr"));

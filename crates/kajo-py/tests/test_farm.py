@@ -66,6 +66,13 @@ def free_port():
         return found.getsockname()[1]
 
 
+def kill(process):
+    with contextlib.suppress(OSError):
+        process.kill()
+    process.wait()
+    process.stderr.close()
+
+
 class Cluster:
     """A head and machines that join it, each a process."""
 
@@ -100,12 +107,13 @@ class Cluster:
         line = [PROGRAM, "render", *RENDER, *UNITS, "-o", "out.exr", "--farm", self.address, *words]
         return subprocess.Popen(line, cwd=self.folder, env=env, stderr=subprocess.PIPE, text=True)
 
+    def lose(self, worker):
+        self.workers.remove(worker)
+        kill(worker)
+
     def close(self):
         for process in [*self.workers, self.head]:
-            with contextlib.suppress(OSError):
-                process.kill()
-            process.wait()
-            process.stderr.close()
+            kill(process)
 
 
 @contextlib.contextmanager
@@ -189,7 +197,7 @@ def test_scenes_of_python_are_rendered_by_a_client(folder, tmp_path):
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="it looks into /proc")
 def test_whatever_is_killed_the_same_command_goes_on(certificates):
     """Workers, their children, the coordinator and the scheduler, at times that look random."""
-    kills = 200 if DEEP else 8
+    kills = 500 if DEEP else 8
     rng = random.Random(7)
     job = ["--job", "kept", "--unit-tile", "16", "--unit-samples", "2"]
     with cluster(certificates, workers=2) as machines:
@@ -198,10 +206,10 @@ def test_whatever_is_killed_the_same_command_goes_on(certificates):
             time.sleep(1.5 + rng.uniform(0, 1.5))
             match i % 4:
                 case 0:
-                    machines.workers[0].kill()
+                    machines.lose(machines.workers[0])
                     machines.workers.append(machines.join(name=f"new{i}"))
                 case 1:
-                    for child in children_of(machines.workers[1]):
+                    for child in children_of(machines.workers[0]):
                         with contextlib.suppress(OSError):
                             os.kill(child, signal.SIGKILL)
                 case 2:
@@ -215,8 +223,10 @@ def test_whatever_is_killed_the_same_command_goes_on(certificates):
                 assert command.wait(HANGS) == 0, command.stderr.read()
                 assert same(certificates)
             else:
-                code = command.wait(HANGS)
-                assert code in (0, 3, -9, 137), command.stderr.read()
+                code, said = command.wait(HANGS), command.stderr.read()
+                # On a busy machine it may not have come to the scheduler before that was killed.
+                too_early = i % 4 == 3 and code == 2 and "no scheduler answers" in said
+                assert too_early or code in (0, 3, -9, 137), said
             command.stderr.close()
         ran = machines.render(*job)
         assert ran.returncode == 0 and same(certificates), ran.stderr

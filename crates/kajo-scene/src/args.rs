@@ -158,24 +158,14 @@ impl<'a> Args<'a> {
         table: &[(&'static str, T)],
         synonyms: &[(&'static str, T)],
     ) -> Result<T, Diagnostic> {
-        let words = || table.iter().map(|&(word, _)| word);
-        let Some(word) = self.word else {
-            let found = self.found();
-            return Err(self.mismatch(&one_of(words()), &found));
+        let text = self.word.map(|word| word.text());
+        let found = text.and_then(|text| table.iter().chain(synonyms).find(|(name, _)| *name == text));
+        let Some(&(_, value)) = found else {
+            let words: Vec<_> = table.iter().map(|&(word, _)| word).collect();
+            return Err(self.none_of(&words));
         };
-        let text = word.text();
-        match table.iter().chain(synonyms).find(|(name, _)| *name == text) {
-            Some(&(_, value)) => {
-                self.word = None;
-                Ok(value)
-            }
-            None => {
-                let meant = nearest(&text, words()).map(|near| format!("did you mean `{near}`?"));
-                let message =
-                    format!("expected {} after `{}`, found {}", one_of(words()), self.key(), quoted(&text));
-                Err(Diagnostic::error(message).label(word.span, "not one of them").maybe_help(meant))
-            }
-        }
+        self.word = None;
+        Ok(value)
     }
 
     /// One of the given words.
@@ -265,6 +255,18 @@ impl<'a> Args<'a> {
         Ok(())
     }
 
+    /// That what stands there is none of the words of a table.
+    fn none_of(&self, words: &[&str]) -> Diagnostic {
+        let Some(word) = self.word else {
+            let found = self.found();
+            return self.mismatch(&one_of(words), &found);
+        };
+        let text = word.text();
+        let meant = nearest(&text, words.iter().copied()).map(|near| format!("did you mean `{near}`?"));
+        let message = format!("expected {} after `{}`, found {}", one_of(words), self.key(), quoted(&text));
+        Diagnostic::error(message).label(word.span, "not one of them").maybe_help(meant)
+    }
+
     fn no_block(&self) -> Result<(), Diagnostic> {
         let Some(child) = self.item.children().next() else { return Ok(()) };
         let message = format!("`{}` takes no block", self.key());
@@ -340,8 +342,8 @@ fn count(n: usize) -> String {
 }
 
 /// "`a`, `b` or `c`".
-pub(crate) fn one_of<'w>(words: impl Iterator<Item = &'w str>) -> String {
-    let words: Vec<String> = words.map(|word| format!("`{word}`")).collect();
+pub(crate) fn one_of(words: &[&str]) -> String {
+    let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
     match words.split_last() {
         None => "nothing".to_owned(),
         Some((last, [])) => last.clone(),

@@ -189,8 +189,7 @@ impl<'a, 'd> Params<'a, 'd> {
         for child in self.children.iter_mut().filter(|child| keys.contains(&child.item.keyword())) {
             let other = first.filter(|first| first.keyword() != child.item.keyword());
             if let Some(other) = other {
-                let error =
-                    Diagnostic::error(format!("{what} has {}, not both", one_of(keys.iter().copied())));
+                let error = Diagnostic::error(format!("{what} has {}, not both", one_of(keys)));
                 let error = error.label(child.item.head_span(), "one too many");
                 self.diagnostics.push(error.label(other.head_span(), "the other one"));
             }
@@ -336,7 +335,7 @@ pub fn unknown_word<'w>(
     };
     let help = match nearest(item.keyword(), allowed.clone()) {
         Some(near) => format!("did you mean `{near}`?"),
-        None => format!("expected {}", one_of(allowed)),
+        None => format!("expected {}", one_of(&allowed.collect::<Vec<_>>())),
     };
     Diagnostic::error(message).label(item.keyword_span(), "not known here").help(help)
 }

@@ -56,6 +56,7 @@ fn is_input(word: &OsString) -> bool {
 /// The long options of a command and of those within it.
 #[derive(Default)]
 struct Options {
+    command: String,
     names: Vec<String>,
 }
 
@@ -67,7 +68,7 @@ impl Options {
             .chain(nested)
             .filter_map(|arg| arg.get_long_and_visible_aliases())
             .flatten();
-        Options { names: longs.map(str::to_owned).collect() }
+        Options { command: command.get_name().to_owned(), names: longs.map(str::to_owned).collect() }
     }
 
     fn rewrite(
@@ -116,7 +117,7 @@ impl Options {
         let similar = nearest(name, self.names.iter().map(String::as_str));
         let advice = match similar {
             Some(similar) => format!("did you mean `{dashes}{similar}`?"),
-            None => "`kajo --help` lists what there is".to_owned(),
+            None => format!("`kajo {} --help` lists what there is", self.command),
         };
         let message = format!("there is no option `{dashes}{name}`; {advice}\n");
         clap::Error::raw(ErrorKind::UnknownArgument, message).with_cmd(tree)
@@ -236,7 +237,8 @@ mod tests {
         assert!(complaint("-input a.txt -shadow").contains("did you mean `-shadows`?"));
         assert!(complaint("-input a.txt -ouput b.png").contains("did you mean `-output`?"));
         assert!(complaint("a.txt --bounce 4").contains("did you mean `--bounces`?"));
-        assert!(complaint("a.txt -qqqqqqqqqqqq").contains("`kajo --help`"));
+        assert!(complaint("a.txt -qqqqqqqqqqqq").contains("`kajo render --help`"));
+        assert!(complaint("unit --quiet").contains("`kajo unit --help`"));
     }
 
     #[test]

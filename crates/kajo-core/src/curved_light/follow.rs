@@ -6,7 +6,7 @@ use kajo_math::{DVec3, Ray};
 use super::{Chords, Followed, Outcome, RayEquation, RayState, Region, SAG, Stepping, position};
 
 /// Errors of a step, in units of the body's extent for positions and of the momentum's own for that.
-const TOLERANCE: Tolerance = Tolerance { absolute: 1e-11, relative: 1e-10 };
+pub(crate) const TOLERANCE: Tolerance = Tolerance { absolute: 1e-11, relative: 1e-10 };
 
 /// Steps after which light counts as lost: it may go around for ever.
 const MOST_STEPS: u32 = 1 << 14;

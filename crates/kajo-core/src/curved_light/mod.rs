@@ -20,6 +20,8 @@ mod follow;
 
 use kajo_math::{Aabb, DMat3, DVec3, Ray};
 
+#[cfg(test)]
+pub(crate) use follow::TOLERANCE;
 pub use follow::follow;
 
 /// Position (3), momentum (3), length of the way, and time that light takes (for an index of refraction the optical length).

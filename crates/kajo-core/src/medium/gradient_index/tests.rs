@@ -227,6 +227,80 @@ fn layers_keep_the_momentum_along_them() {
     }
 }
 
+/// Curves through an index that has no closed form, beside an independent solver: SciPy's `DOP853` at its least tolerance, which its
+/// `Radau` agrees with.
+#[test]
+fn an_index_without_closed_form_bends_as_another_solver_says() {
+    // 1.5 + 0.2 sin(2 x + y) cos(z) - 0.1 z^2
+    let medium = GradientIndex::new(function(|tape, [x, y, z]| {
+        use kajo_math::tape::{Node, Unary};
+        let phase = tape.mul(x, Node::Constant(2.0));
+        let phase = tape.add(phase, y);
+        let (wave, slow) = (tape.unary(Unary::Sin, phase), tape.unary(Unary::Cos, z));
+        let ripple = tape.mul(wave, slow);
+        let (ripple, sag) = (tape.mul(ripple, Node::Constant(0.2)), tape.mul(z, z));
+        let sag = tape.mul(sag, Node::Constant(-0.1));
+        let sum = tape.add(ripple, sag);
+        tape.add(sum, Node::Constant(1.5))
+    }));
+    let field = medium.at(&Wavelengths::RGB);
+    let mut f = |_: f64, y: &RayState| field.slope(y);
+    // Place, direction, and what there is after 1.25 of the parameter: place, momentum, optical length.
+    let known = [
+        (
+            [0.0, 0.0, -1.0],
+            [0.2, 0.1, 1.0],
+            [
+                0.67689971034,
+                0.33844985517,
+                0.80442054057,
+                0.72258149235,
+                0.36129074617,
+                1.34966462508,
+                3.1009892577,
+            ],
+        ),
+        (
+            [0.3, -0.4, -0.8],
+            [-0.5, 0.6, 0.7],
+            [
+                -0.16036959378,
+                0.85260497176,
+                0.51484928953,
+                -0.01826584278,
+                1.17709889353,
+                1.02627454453,
+                2.87382122915,
+            ],
+        ),
+        (
+            [-0.6, 0.2, 0.1],
+            [1.0, -0.3, 0.2],
+            [
+                1.29140264227,
+                -0.10691232734,
+                0.35549351969,
+                1.58606158507,
+                -0.20906012624,
+                0.10405816435,
+                3.02173812339,
+            ],
+        ),
+    ];
+    for (p, d, known) in known {
+        let start = field.start(p.into(), DVec3::from(d).normalize()).expect("light");
+        let mut solver = kajo_math::ode::Solver::new(&mut f, 0.0, start, crate::curved_light::TOLERANCE);
+        while solver.t() < 1.25 {
+            solver.step(&mut f, 1.25).expect("smooth");
+        }
+        let y = solver.y();
+        let found = [y[0], y[1], y[2], y[3], y[4], y[5], y[7]];
+        for (found, known) in found.into_iter().zip(known) {
+            assert!((found - known).abs() < 1e-8, "{found} for {known}");
+        }
+    }
+}
+
 /// Light that grazes hot ground comes back up with all the bending that the indices allow, below 0.5124 degrees in all.
 #[test]
 fn a_hot_road_mirrors_up_to_the_known_angle() {
