@@ -37,6 +37,7 @@ mod phong_lobes;
 mod principled;
 mod subsurface;
 mod thin;
+mod widened;
 
 pub use btf::BtfLobe;
 pub use conductor::{Conductor, MetalFresnel};

@@ -73,6 +73,11 @@ impl PhongLobes {
         PhongLobes { diffuse_normal, ..self }
     }
 
+    /// The same with another exponent.
+    pub(super) fn widened(self, exponent: impl FnOnce(f32) -> f32) -> PhongLobes {
+        PhongLobes { exponent: exponent(self.exponent), ..self }
+    }
+
     pub(super) fn is_delta(&self) -> bool {
         self.diffuse.is_black() && self.specular.is_black()
     }

@@ -64,6 +64,7 @@ impl Value<'_> for NormalMap {
         }
         let (map, NormalKeys { scale }) =
             sources.picture(item, Some(Encoding::Linear), diagnostics, NormalKeys::read)?;
+        let map = sources.normals(item, map, diagnostics)?;
         Some(NormalMap { normals: sources.textures.nodes.color(map)?, scale })
     }
 }

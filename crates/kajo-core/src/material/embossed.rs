@@ -17,18 +17,25 @@
 //! with its derivatives by surface coordinates from differences over one texel of a picture. Heights that fill space have the gradient
 //! `g`, of which the part across `n` is taken off: `n' along n - (g - (g . n) n)`.
 //!
+//! Where a [filter](crate::texture::TexelFilter) takes the mean of many normals, these are facets that are too small to be seen, and make
+//! the surface rough: by the covariances of slopes ([`ColorTexture::normal_spread`]), along their own axes where the material has none.
+//!
 //! Scene: `Matte { color 0.5 0.5 0.5  bump stones.png { height 0.02 } }`
 
 use kajo_color::Spectrum;
-use kajo_math::Vec3;
+use kajo_math::{Vec2, Vec3};
 
 use super::parts::answers_of_part;
 use super::{Appearance, Lean, Material, MaterialId, Orientation, ShadingPoint};
-use crate::bsdf::Phong;
+use crate::bsdf::{Bsdf, Phong};
 use crate::emission::SurfaceEmission;
 use crate::texture::{
-    AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, TextureSlope, Textures,
+    AnyTexture, ColorTexture, FloatTexture, NormalSpread, TextureContext, TextureEvaluator, TextureSlope,
+    Textures,
 };
+
+/// The least part of a mean of normals along the normal of the surface that slopes are counted over: steeper is rough in any case.
+const LEAST_UPRIGHT: f32 = 0.1;
 
 /// A relief.
 #[derive(Clone, Debug)]
@@ -63,6 +70,18 @@ impl Relief {
                 Lean::Slope { by_uv: uv, by_p: p }
             }
         }
+    }
+
+    /// How much the slopes differ within what the sample covers, along the tangents; `None` where they do not.
+    fn spread(&self, evaluator: TextureEvaluator<'_>) -> Option<NormalSpread> {
+        let Relief::Normals { normals, scale } = self else { return None };
+        let spread = normals.normal_spread(evaluator);
+        if spread.is_none() {
+            return None;
+        }
+        let upright = 2.0 * normals.rgb(evaluator).to_rgb()[2] - 1.0;
+        let slope = scale.at(evaluator) / upright.max(LEAST_UPRIGHT);
+        Some(spread.mapped(slope * Vec2::X, slope * Vec2::Y))
     }
 
     fn textures(&self) -> Vec<AnyTexture<'_>> {
@@ -126,11 +145,24 @@ impl Material for Embossed {
         appearance.needs_uv(self.material) || self.relief.textures().into_iter().any(of_relief)
     }
 
-    answers_of_part!(bsdf, interior);
+    answers_of_part!(interior);
+
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
+        let bsdf = appearance.bsdf(self.material, at);
+        let Some(spread) = self.relief.spread(appearance.textures.evaluator(&at.context)) else {
+            return bsdf;
+        };
+        let ([x, y], _) = spread.principal();
+        // Facets that run somewhere already keep their direction.
+        let runs = appearance.orientation(self.material, at).turn.is_some();
+        bsdf.widened(if runs { Vec2::splat(0.5 * (x + y)) } else { Vec2::new(x, y) })
+    }
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         let own = appearance.orientation(self.material, at);
-        Orientation { lean: Some(self.relief.lean(appearance.textures.evaluator(&at.context))), ..own }
+        let evaluator = appearance.textures.evaluator(&at.context);
+        let turn = own.turn.or_else(|| self.relief.spread(evaluator).map(|spread| spread.principal().1));
+        Orientation { lean: Some(self.relief.lean(evaluator)), turn }
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {

@@ -15,6 +15,7 @@ mod knots;
 mod mapping;
 mod marble;
 mod noise;
+mod normal_spread;
 mod operations;
 mod pattern;
 mod picture;
@@ -38,6 +39,7 @@ pub use knots::{Interpolation, Knots};
 pub use mapping::{MappedColor, MappedFloat, Mapping, Projection, TextureSpace};
 pub use marble::Marble;
 pub use noise::Noise;
+pub use normal_spread::NormalSpread;
 pub use operations::{Complement, Remapped};
 pub use pattern::PatternNode;
 pub use picture::{
@@ -212,6 +214,11 @@ pub trait ColorNode {
         m
     }
 
+    /// As normals `m = 2 rgb - 1`: how much those within the footprint differ of which [`ColorNode::reflectance`] is the mean.
+    fn normal_spread(&self, _textures: &Textures, _at: &TextureContext) -> NormalSpread {
+        NormalSpread::default()
+    }
+
     /// Its mean over all places in linear RGB, about.
     fn color_mean(&self, textures: &Textures) -> [f32; 3];
 }
@@ -257,6 +264,8 @@ family! {
         fn color_detail(found: &mut TextureDetail);
         /// See [`ColorNode::reflectance`].
         fn reflectance(at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
+        /// See [`ColorNode::normal_spread`].
+        fn normal_spread(at: &TextureContext) -> NormalSpread;
     }
 }
 

@@ -19,6 +19,9 @@
 mod filter;
 #[cfg(test)]
 mod filter_tests;
+mod normals;
+#[cfg(test)]
+mod normals_tests;
 mod pyramid;
 mod sums;
 mod tiled;
@@ -32,7 +35,7 @@ use kajo_image::Image;
 use kajo_math::Vec2;
 
 use super::rgb::rgb_reflectance;
-use super::{ColorNode, SurfaceUv, TextureContext, Textures, UvSet};
+use super::{ColorNode, NormalSpread, SurfaceUv, TextureContext, Textures, UvSet};
 use pyramid::Pyramid;
 use sums::SummedAreaTable;
 use tiled::TiledPicture;
@@ -63,6 +66,8 @@ pub struct Picture {
     pyramid: OnceLock<Pyramid>,
     /// Sums, where a filter asks for them.
     sums: OnceLock<SummedAreaTable>,
+    /// Of its texels as normals, where a material asks for them.
+    moments: OnceLock<Arc<Picture>>,
 }
 
 /// Where the texels of a picture are.
@@ -132,7 +137,15 @@ impl Picture {
     }
 
     fn new_with(texels: Texels, [width, height]: [u32; 2], mean: [f32; 4]) -> Picture {
-        Picture { width, height, texels, mean, pyramid: OnceLock::new(), sums: OnceLock::new() }
+        Picture {
+            width,
+            height,
+            texels,
+            mean,
+            pyramid: OnceLock::new(),
+            sums: OnceLock::new(),
+            moments: OnceLock::new(),
+        }
     }
 
     /// The texels, where they are in memory.
@@ -188,6 +201,8 @@ pub struct PictureMap {
     pub offset: Vec2,
     /// What its channels are multiplied by, in [0, 1].
     pub factor: [f32; 4],
+    /// The moments of its texels as normals, laid out alike; made by [`PictureMap::of_normals`].
+    pub moments: Option<Arc<PictureMap>>,
 }
 
 /// What is to be known of textures before they are tabulated.
@@ -233,6 +248,10 @@ impl ColorNode for PictureMap {
         [r, g, b]
     }
 
+    fn normal_spread(&self, _textures: &Textures, at: &TextureContext) -> NormalSpread {
+        self.spread_over(at)
+    }
+
     /// A direction of the picture as one of the coordinates that place it.
     fn along(&self, m: Vec2) -> Vec2 {
         if self.cross == Vec2::ZERO {
@@ -257,6 +276,7 @@ impl PictureMap {
             cross: Vec2::ZERO,
             offset: Vec2::ZERO,
             factor: [1.0; 4],
+            moments: None,
         }
     }
 

@@ -3,7 +3,7 @@
 use kajo_color::{Reflectance, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
-use super::{ColorNodeId, FloatNodeId, TextureContext, TextureDetail, TextureSlope, Textures};
+use super::{ColorNodeId, FloatNodeId, NormalSpread, TextureContext, TextureDetail, TextureSlope, Textures};
 
 /// What textures are evaluated by: their nodes, at a point.
 #[derive(Clone, Copy, Debug)]
@@ -138,6 +138,17 @@ impl ColorTexture {
                 evaluator.textures.reflectance(*node, evaluator.at, &Wavelengths::RGB)
             }
         }
+    }
+
+    /// As normals: how much those within the footprint differ, by surface coordinates.
+    pub fn normal_spread(&self, evaluator: TextureEvaluator<'_>) -> NormalSpread {
+        let ColorTexture::Node(node) = self else { return NormalSpread::default() };
+        let own = evaluator.textures.normal_spread(*node, evaluator.at);
+        if own.is_none() {
+            return NormalSpread::default();
+        }
+        let [x, y] = [Vec2::X, Vec2::Y].map(|axis| self.along(evaluator.textures, axis));
+        own.mapped(x, y)
     }
 
     /// A direction of the texture's own coordinates as one of the surface coordinates that place it.

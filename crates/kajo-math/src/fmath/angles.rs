@@ -38,7 +38,7 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     (with_sign(x, sin), cos)
 }
 
-/// Tangent of an angle in radians, within 1.2 ulp; not a number for infinite angles.
+/// Tangent of an angle in radians, within 1.25 ulp; not a number for infinite angles.
 #[inline]
 pub fn tan(x: f32) -> f32 {
     let Rest { quarters, r, low } = rest(x);

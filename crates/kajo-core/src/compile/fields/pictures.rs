@@ -183,6 +183,21 @@ impl Sources<'_> {
         Some((map, more))
     }
 
+    /// A picture as one of normals, with what its filter needs for that.
+    pub fn normals(
+        &mut self,
+        item: Item<'_>,
+        map: PictureMap,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<PictureMap> {
+        if let Err(over) = self.textures.pictures.memory.take(map.moment_bytes()) {
+            let error = Diagnostic::error(format!("cannot filter these normals: {over}"));
+            diagnostics.push(error.label(item.head_span(), "named here"));
+            return None;
+        }
+        Some(map.of_normals())
+    }
+
     /// As [`Sources::picture`], and what stands after the name.
     pub fn picture_and<'t, U, T>(
         &mut self,

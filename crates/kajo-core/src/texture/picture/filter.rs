@@ -72,7 +72,7 @@ const KERNEL_VARIANCE: f32 = 0.085_136_4;
 const TEXEL_VARIANCE: f32 = 1.0 / 12.0 / KERNEL_VARIANCE;
 
 /// Variance of bilinear weights in terms of that.
-const BILINEAR_VARIANCE: f32 = 1.0 / 6.0 / KERNEL_VARIANCE;
+pub(super) const BILINEAR_VARIANCE: f32 = 1.0 / 6.0 / KERNEL_VARIANCE;
 
 /// How far an ellipse may reach on its level, in texels: farther than any that is not held up by a narrow picture.
 const MOST_REACH: f32 = 72.0;
@@ -222,13 +222,22 @@ impl PictureMap {
         std::array::from_fn(|c| self.factor[c] * texel[c])
     }
 
+    /// The footprint in texels.
+    pub(super) fn axes(&self, at: &TextureContext) -> [Vec2; 2] {
+        at.footprint.uv.map(|duv| {
+            let ds = duv * self.repeat + self.cross * Vec2::new(duv.y, duv.x);
+            Vec2::new(ds.x, -ds.y) * self.extent()
+        })
+    }
+
+    /// Columns and rows of texels.
+    fn extent(&self) -> Vec2 {
+        Vec2::from(self.picture.size().map(|n| n as f32))
+    }
+
     #[inline(never)]
     fn over(&self, s: Vec2, at: &TextureContext) -> [f32; 4] {
-        let size = Vec2::from(self.picture.size().map(|n| n as f32));
-        let axes = at.footprint.uv.map(|duv| {
-            let ds = duv * self.repeat + self.cross * Vec2::new(duv.y, duv.x);
-            Vec2::new(ds.x, -ds.y) * size
-        });
+        let axes = self.axes(at);
         let is_usable = axes.iter().all(|axis| axis.is_finite() && axis.length_squared().is_finite());
         if !is_usable || axes == [Vec2::ZERO; 2] || !s.is_finite() {
             return self.picture.level(0).bilinear(s, self.wrap);
@@ -238,8 +247,8 @@ impl PictureMap {
                 let width = axes[0].length_squared().max(axes[1].length_squared()).sqrt();
                 self.trilinear(s, width)
             }
-            TexelFilter::Sat => self.boxed(s * size, axes, size),
-            TexelFilter::Feline => self.probed(s, &Ellipse::new(axes), size),
+            TexelFilter::Sat => self.boxed(s * self.extent(), axes, self.extent()),
+            TexelFilter::Feline => self.probed(s, &Ellipse::new(axes), self.extent()),
             TexelFilter::Stochastic => self.drawn(s, &axes, at),
             _ => self.elliptic(s, &Ellipse::new(axes)),
         }

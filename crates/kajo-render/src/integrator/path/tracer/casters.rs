@@ -4,13 +4,16 @@ use kajo_color::Wavelengths;
 use kajo_core::ObjectId;
 use kajo_core::material::ShadingPoint;
 use kajo_core::scene::Scene;
-use kajo_core::texture::TextureContext;
-use kajo_math::Vec3;
+use kajo_core::texture::{TextureContext, TextureFootprint};
+use kajo_math::{Vec2, Vec3};
 
 use crate::integrator::transport::{Caster, Link};
 
 /// Casters beyond which none is chosen: to choose costs as much as there are.
 const MOST: usize = 256;
+
+/// A footprint as large as a picture.
+const FROM_FAR: TextureFootprint = TextureFootprint { p: [Vec3::X, Vec3::Y], uv: [Vec2::X, Vec2::Y] };
 
 /// The probability with which the caster is chosen that stands before a light.
 const BEFORE: f32 = 0.75;
@@ -24,7 +27,8 @@ impl Casters {
     pub fn of(scene: &Scene) -> Casters {
         let mut list = Vec::new();
         for (i, primitive) in scene.geometry.primitives.iter().enumerate() {
-            let context = TextureContext::default();
+            // As seen from far away, where reliefs are facets that make a surface rough.
+            let context = TextureContext { footprint: FROM_FAR, ..TextureContext::default() };
             let point = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u: 0.5 };
             let Some(link) = Link::of(&scene.appearance.bsdf(primitive.material, &point)) else { continue };
             let object = ObjectId::from_index(i as u32);
