@@ -21,20 +21,33 @@ fn parted(y: &[f64; 6]) -> (DVec3, DVec3) {
 
 /// Follows light until it is farther away than `far`; `None` where it crosses the horizon.
 fn followed(kerr: &Kerr, x: DVec3, p: DVec3, energy: f64, far: f64) -> Option<(DVec3, DVec3)> {
+    stepped(kerr, x, p, energy, far, FINE).0
+}
+
+/// The same with another tolerance, and how many steps it took.
+fn stepped(
+    kerr: &Kerr,
+    x: DVec3,
+    p: DVec3,
+    energy: f64,
+    far: f64,
+    tolerance: Tolerance,
+) -> (Option<(DVec3, DVec3)>, u32) {
     let mut flow = |_: f64, y: &[f64; 6]| {
         let (x, p) = parted(y);
         let (dx, dp) = kerr.flow(x, p, energy);
         joined(dx, dp)
     };
-    let mut solver = Solver::new(&mut flow, 0.0, joined(x, p), FINE);
-    for _ in 0..100_000 {
+    let mut solver = Solver::new(&mut flow, 0.0, joined(x, p), tolerance);
+    for taken in 1..=100_000 {
         let step = solver.step(&mut flow, f64::INFINITY).expect("steps");
         let (x, p) = parted(step.end());
         if kerr.radius(x) < kerr.horizon() {
-            return None;
+            return (None, taken);
         }
         if x.length() > far && x.dot(p) > 0.0 {
-            return Some((x, p));
+            let there = step.event([0.0, 1.0], |y| parted(y).0.length() - far).unwrap_or(1.0);
+            return (Some(parted(&step.at(there))), taken);
         }
     }
     panic!("too many steps");
@@ -229,4 +242,36 @@ fn nothing_is_infinite_at_the_pole_the_horizon_and_the_ring() {
         let (dx, dp) = kerr.flow(x, DVec3::new(0.3, -0.4, 0.5), 1.0);
         assert!(dx.is_finite() && dp.is_finite(), "{x}: {dx} {dp}");
     }
+}
+
+/// What a picture takes: with each digit of accuracy 1.6 times as many steps, as with any method of fifth order.
+#[test]
+fn steps_grow_with_the_fifth_root_of_accuracy() {
+    let kerr = Kerr::new(1.0, 0.9);
+    let eye = DVec3::new(31.84, 0.0, 3.2);
+    let rows = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].map(|tolerance| {
+        let tolerance = Tolerance { absolute: tolerance, relative: tolerance };
+        let (mut steps, mut worst, mut count) = (0, 0.0f64, 0);
+        for i in 0..200 {
+            let seen = DVec3::new(-1.0, 0.5 * number(i, 0), 0.3 * number(i, 1)).normalize();
+            let (energy, p) = Observer::at_rest(&kerr, eye).unwrap().emitted(seen);
+            let (end, taken) = stepped(&kerr, eye, p, energy, 300.0, tolerance);
+            steps += taken;
+            let exact = followed(&kerr, eye, p, energy, 300.0);
+            if let (Some((_, p)), Some((_, exact))) = (end, exact) {
+                worst = worst.max(p.normalize().angle_between(exact.normalize()));
+                count += 1;
+            }
+        }
+        assert!(count > 150, "{count}");
+        (f64::from(steps) / 200.0, worst)
+    });
+    for ((steps, worst), exponent) in rows.iter().zip([4, 6, 8, 10, 12]) {
+        println!("1e-{exponent}: {steps:.1} steps, {worst:.1e} radians at most");
+    }
+    for pair in rows[1..].windows(2) {
+        let more = pair[1].0 / pair[0].0;
+        assert!((2.0..2.8).contains(&more), "{more}");
+    }
+    assert!(rows[3].1 < 1e-7, "{:e}", rows[3].1);
 }
