@@ -222,6 +222,9 @@ fn the_batch_script_renders_the_picture() {
          else bash \"$script\" >&2; fi\necho \"7;cluster\"\n",
     );
     fs::set_permissions(folder.path("bin/sbatch"), fs::Permissions::from_mode(0o755)).unwrap();
+    let missing = folder.run("farm slurm nothing.txt -o out.exr --array 3");
+    assert_eq!((missing.code, &*missing.stdout), (Some(2), ""), "{}", missing.stderr);
+    assert!(missing.stderr.contains("cannot read `nothing.txt`"), "{}", missing.stderr);
     let script = folder.succeed(&format!("farm slurm {RENDER} {UNITS} -o out.exr --array 3")).stdout;
     folder.write("script.sh", &script);
     let path = format!("{}:{}", folder.path("bin").display(), std::env::var("PATH").unwrap());

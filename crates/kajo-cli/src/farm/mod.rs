@@ -386,6 +386,11 @@ pub fn manage(args: &FarmCommandArgs) -> Result<(), Failure> {
         | FarmCommand::Join(args)
         | FarmCommand::Ssh(args) => hand_over(&args.words),
         FarmCommand::Slurm(args) => {
+            // Better said here than by a log of the cluster.
+            if !args.render.scene.is_file() {
+                let name = console::printable(&args.render.scene.display().to_string());
+                return Err(Failure::Input(format!("cannot read `{name}`: there is no such file")));
+            }
             let job = args.render.job()?;
             refuse(&job)?;
             let line: Vec<OsString> = std::env::args_os().skip(1).collect();

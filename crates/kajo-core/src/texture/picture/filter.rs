@@ -57,6 +57,15 @@ impl TexelFilter {
         !matches!(self, TexelFilter::Nearest | TexelFilter::Bilinear | TexelFilter::Bicubic)
     }
 
+    /// Bytes of what it needs besides the texels of a picture in memory.
+    pub(super) fn bytes(self, width: u32, height: u32) -> u64 {
+        match self {
+            TexelFilter::Sat => SummedAreaTable::bytes(width, height),
+            filter if filter.uses_pyramid() => Pyramid::bytes(u64::from(width) * u64::from(height)),
+            _ => 0,
+        }
+    }
+
     fn uses_pyramid(self) -> bool {
         matches!(self, TexelFilter::Trilinear | TexelFilter::Ewa | TexelFilter::Feline)
     }
@@ -83,13 +92,11 @@ const FALL: f32 = 5.5;
 impl Picture {
     /// Bytes that [`Picture::prepare`] would take.
     pub(crate) fn preparation(&self, filter: TexelFilter) -> u64 {
-        match filter {
-            TexelFilter::Sat if self.sums.get().is_none() => SummedAreaTable::bytes(self.width, self.height),
-            filter if filter.uses_pyramid() && self.pyramid.get().is_none() && self.resident().is_some() => {
-                Pyramid::bytes(u64::from(self.width) * u64::from(self.height))
-            }
-            _ => 0,
-        }
+        let is_there = match filter {
+            TexelFilter::Sat => self.sums.get().is_some(),
+            _ => self.pyramid.get().is_some() || self.resident().is_none(),
+        };
+        if is_there { 0 } else { filter.bytes(self.width, self.height) }
     }
 
     /// Makes what a filter needs besides the texels, if nobody has.

@@ -17,7 +17,6 @@ use std::sync::Arc;
 use kajo_math::Vec2;
 
 use super::filter::{BILINEAR_VARIANCE, TexelFilter};
-use super::pyramid::Pyramid;
 use super::{Picture, PictureMap, Tiling};
 use crate::texture::{NormalSpread, TextureContext};
 
@@ -44,13 +43,10 @@ impl PictureMap {
     /// Bytes that [`PictureMap::of_normals`] would take.
     pub(crate) fn moment_bytes(&self) -> u64 {
         let [width, height] = self.picture.size();
-        let moments = self.picture.moments.get();
-        match self.has_spread() {
-            true if moments.is_none() => {
-                // Those of sums are no more than the smaller copies and the texels together.
-                Picture::bytes(width, height) + Pyramid::bytes(u64::from(width) * u64::from(height))
-            }
-            _ => 0,
+        match self.picture.moments.get() {
+            _ if !self.has_spread() => 0,
+            Some(moments) => moments.preparation(self.filter),
+            None => Picture::bytes(width, height) + self.filter.bytes(width, height),
         }
     }
 
@@ -58,7 +54,10 @@ impl PictureMap {
     ///
     /// Not of pictures in tiles, nor of those that a random tiling mixes.
     pub fn of_normals(self) -> PictureMap {
-        let Some(moments) = self.picture.moments().filter(|_| self.has_spread()) else { return self };
+        if !self.has_spread() {
+            return self;
+        }
+        let Some(moments) = self.picture.moments() else { return self };
         moments.prepare(self.filter);
         let moments = Arc::new(PictureMap { picture: moments.clone(), ..self.clone() });
         PictureMap { moments: Some(moments), ..self }
@@ -82,10 +81,8 @@ impl PictureMap {
         let mean = 2.0 * Vec2::new(r, g) - 1.0;
         let [xx, yy, xy, _] = moments.filtered(at);
         let variance = |moment: f32, mean: f32| share * (moment - mean * mean - ROUNDING).max(0.0);
-        NormalSpread {
-            xx: variance(xx, mean.x),
-            yy: variance(yy, mean.y),
-            xy: share * (2.0 * xy - 1.0 - mean.x * mean.y),
-        }
+        let (xx, yy) = (variance(xx, mean.x), variance(yy, mean.y));
+        let most = (xx * yy).sqrt();
+        NormalSpread { xx, yy, xy: (share * (2.0 * xy - 1.0 - mean.x * mean.y)).clamp(-most, most) }
     }
 }
