@@ -18,7 +18,7 @@
 //! `g`, of which the part across `n` is taken off: `n' along n - (g - (g . n) n)`.
 //!
 //! Where a [filter](crate::texture::TexelFilter) takes the mean of many normals, these are facets that are too small to be seen, and make
-//! the surface rough: by the covariances of slopes ([`ColorTexture::normal_spread`]), along their own axes where the material has none.
+//! the surface rough: by the covariances of slopes ([`ColorTexture::filtered_normals`]), along their own axes where the material has none.
 //!
 //! Scene: `Matte { color 0.5 0.5 0.5  bump stones.png { height 0.02 } }`
 
@@ -30,7 +30,7 @@ use super::{Appearance, Lean, Material, MaterialId, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
 use crate::emission::SurfaceEmission;
 use crate::texture::{
-    AnyTexture, ColorTexture, FloatTexture, NormalSpread, TextureContext, TextureEvaluator, TextureSlope,
+    AnyTexture, ColorTexture, FilteredNormals, FloatTexture, TextureContext, TextureEvaluator, TextureSlope,
     Textures,
 };
 
@@ -58,12 +58,17 @@ pub enum Relief {
 
 impl Relief {
     /// How the normal leans at a point.
-    fn lean(&self, evaluator: TextureEvaluator<'_>) -> Lean {
+    ///
+    /// * `filtered`: [`Relief::filtered`] there
+    fn lean(&self, evaluator: TextureEvaluator<'_>, filtered: Option<&FilteredNormals>) -> Lean {
         match self {
             Relief::Normals { normals, scale } => {
-                let m = 2.0 * Vec3::from(normals.rgb(evaluator).to_rgb()) - 1.0;
-                let across = scale.at(evaluator) * normals.along(evaluator.textures, m.truncate());
-                Lean::Tangent(across.extend(m.z))
+                let here = || {
+                    let m = 2.0 * Vec3::from(normals.rgb(evaluator).to_rgb()) - 1.0;
+                    normals.along(evaluator.textures, m.truncate()).extend(m.z)
+                };
+                let m = filtered.map_or_else(here, |filtered| filtered.mean);
+                Lean::Tangent((scale.at(evaluator) * m.truncate()).extend(m.z))
             }
             Relief::Heights { heights, height } => {
                 let TextureSlope { uv, p } = heights.slope(evaluator, *height);
@@ -72,16 +77,20 @@ impl Relief {
         }
     }
 
-    /// How much the slopes differ within what the sample covers, along the tangents; `None` where they do not.
-    fn spread(&self, evaluator: TextureEvaluator<'_>) -> Option<NormalSpread> {
-        let Relief::Normals { normals, scale } = self else { return None };
-        let spread = normals.normal_spread(evaluator);
-        if spread.is_none() {
-            return None;
+    /// The normals that are seen as one.
+    fn filtered(&self, evaluator: TextureEvaluator<'_>) -> Option<FilteredNormals> {
+        match self {
+            Relief::Normals { normals, .. } => normals.filtered_normals(evaluator),
+            Relief::Heights { .. } => None,
         }
-        let upright = 2.0 * normals.rgb(evaluator).to_rgb()[2] - 1.0;
-        let slope = scale.at(evaluator) / upright.max(LEAST_UPRIGHT);
-        Some(spread.mapped(slope * Vec2::X, slope * Vec2::Y))
+    }
+
+    /// The factor from components of such normals to slopes.
+    fn steepness(&self, evaluator: TextureEvaluator<'_>, filtered: &FilteredNormals) -> f32 {
+        match self {
+            Relief::Normals { scale, .. } => scale.at(evaluator) / filtered.mean.z.max(LEAST_UPRIGHT),
+            Relief::Heights { .. } => 0.0,
+        }
     }
 
     fn textures(&self) -> Vec<AnyTexture<'_>> {
@@ -149,10 +158,11 @@ impl Material for Embossed {
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let bsdf = appearance.bsdf(self.material, at);
-        let Some(spread) = self.relief.spread(appearance.textures.evaluator(&at.context)) else {
-            return bsdf;
-        };
-        let ([x, y], _) = spread.principal();
+        let evaluator = appearance.textures.evaluator(&at.context);
+        let Some(filtered) = self.relief.filtered(evaluator) else { return bsdf };
+        let steepness = self.relief.steepness(evaluator, &filtered);
+        let (variances, _) = filtered.spread.principal();
+        let [x, y] = variances.map(|variance| steepness * steepness * variance);
         // Facets that run somewhere already keep their direction.
         let runs = appearance.orientation(self.material, at).turn.is_some();
         bsdf.widened(if runs { Vec2::splat(0.5 * (x + y)) } else { Vec2::new(x, y) })
@@ -161,8 +171,9 @@ impl Material for Embossed {
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         let own = appearance.orientation(self.material, at);
         let evaluator = appearance.textures.evaluator(&at.context);
-        let turn = own.turn.or_else(|| self.relief.spread(evaluator).map(|spread| spread.principal().1));
-        Orientation { lean: Some(self.relief.lean(evaluator)), turn }
+        let filtered = self.relief.filtered(evaluator);
+        let turn = own.turn.or(filtered.as_ref().map(|filtered| filtered.spread.principal().1));
+        Orientation { lean: Some(self.relief.lean(evaluator, filtered.as_ref())), turn }
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {

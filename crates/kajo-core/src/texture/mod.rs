@@ -39,7 +39,7 @@ pub use knots::{Interpolation, Knots};
 pub use mapping::{MappedColor, MappedFloat, Mapping, Projection, TextureSpace};
 pub use marble::Marble;
 pub use noise::Noise;
-pub use normal_spread::NormalSpread;
+pub use normal_spread::{FilteredNormals, NormalSpread};
 pub use operations::{Complement, Remapped};
 pub use pattern::PatternNode;
 pub use picture::{
@@ -214,9 +214,9 @@ pub trait ColorNode {
         m
     }
 
-    /// As normals `m = 2 rgb - 1`: how much those within the footprint differ of which [`ColorNode::reflectance`] is the mean.
-    fn normal_spread(&self, _textures: &Textures, _at: &TextureContext) -> NormalSpread {
-        NormalSpread::default()
+    /// As normals `m = 2 rgb - 1`, where [`ColorNode::reflectance`] is the mean of those within the footprint and they differ.
+    fn filtered_normals(&self, _textures: &Textures, _at: &TextureContext) -> Option<FilteredNormals> {
+        None
     }
 
     /// Its mean over all places in linear RGB, about.
@@ -264,8 +264,8 @@ family! {
         fn color_detail(found: &mut TextureDetail);
         /// See [`ColorNode::reflectance`].
         fn reflectance(at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
-        /// See [`ColorNode::normal_spread`].
-        fn normal_spread(at: &TextureContext) -> NormalSpread;
+        /// See [`ColorNode::filtered_normals`].
+        fn filtered_normals(at: &TextureContext) -> Option<FilteredNormals>;
     }
 }
 

@@ -1,6 +1,15 @@
 //! How much normals differ.
 
-use kajo_math::{Vec2, fmath};
+use kajo_math::{Vec2, Vec3, fmath};
+
+/// Normals of which a filter takes the mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilteredNormals {
+    /// Their mean `m`, along the two coordinates and outwards; it is not of unit length.
+    pub mean: Vec3,
+    /// How much they differ, which is not zero.
+    pub spread: NormalSpread,
+}
 
 /// The covariances of normals within a footprint: of their components along the first and the second coordinate. Zero where nothing
 /// is known of them.

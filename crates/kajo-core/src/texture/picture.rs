@@ -35,7 +35,7 @@ use kajo_image::Image;
 use kajo_math::Vec2;
 
 use super::rgb::rgb_reflectance;
-use super::{ColorNode, NormalSpread, SurfaceUv, TextureContext, Textures, UvSet};
+use super::{ColorNode, FilteredNormals, SurfaceUv, TextureContext, Textures, UvSet};
 use pyramid::Pyramid;
 use sums::SummedAreaTable;
 use tiled::TiledPicture;
@@ -248,8 +248,8 @@ impl ColorNode for PictureMap {
         [r, g, b]
     }
 
-    fn normal_spread(&self, _textures: &Textures, at: &TextureContext) -> NormalSpread {
-        self.spread_over(at)
+    fn filtered_normals(&self, _textures: &Textures, at: &TextureContext) -> Option<FilteredNormals> {
+        self.normals_over(at)
     }
 
     /// A direction of the picture as one of the coordinates that place it.

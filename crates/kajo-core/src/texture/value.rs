@@ -3,7 +3,9 @@
 use kajo_color::{Reflectance, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
-use super::{ColorNodeId, FloatNodeId, NormalSpread, TextureContext, TextureDetail, TextureSlope, Textures};
+use super::{
+    ColorNodeId, FilteredNormals, FloatNodeId, TextureContext, TextureDetail, TextureSlope, Textures,
+};
 
 /// What textures are evaluated by: their nodes, at a point.
 #[derive(Clone, Copy, Debug)]
@@ -140,15 +142,13 @@ impl ColorTexture {
         }
     }
 
-    /// As normals: how much those within the footprint differ, by surface coordinates.
-    pub fn normal_spread(&self, evaluator: TextureEvaluator<'_>) -> NormalSpread {
-        let ColorTexture::Node(node) = self else { return NormalSpread::default() };
-        let own = evaluator.textures.normal_spread(*node, evaluator.at);
-        if own.is_none() {
-            return NormalSpread::default();
-        }
+    /// As normals, where a filter takes the mean of some that differ: along surface coordinates.
+    pub fn filtered_normals(&self, evaluator: TextureEvaluator<'_>) -> Option<FilteredNormals> {
+        let ColorTexture::Node(node) = self else { return None };
+        let FilteredNormals { mean, spread } = evaluator.textures.filtered_normals(*node, evaluator.at)?;
         let [x, y] = [Vec2::X, Vec2::Y].map(|axis| self.along(evaluator.textures, axis));
-        own.mapped(x, y)
+        let across = self.along(evaluator.textures, mean.truncate());
+        Some(FilteredNormals { mean: across.extend(mean.z), spread: spread.mapped(x, y) })
     }
 
     /// A direction of the texture's own coordinates as one of the surface coordinates that place it.

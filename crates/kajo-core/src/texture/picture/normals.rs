@@ -14,11 +14,11 @@
 
 use std::sync::Arc;
 
-use kajo_math::Vec2;
+use kajo_math::Vec3;
 
 use super::filter::{BILINEAR_VARIANCE, TexelFilter};
 use super::{Picture, PictureMap, Tiling};
-use crate::texture::{NormalSpread, TextureContext};
+use crate::texture::{FilteredNormals, NormalSpread, TextureContext};
 
 /// Variance that the rounding of stored texels may make of one normal.
 const ROUNDING: f32 = 1e-4;
@@ -69,20 +69,22 @@ impl PictureMap {
         takes_means && is_plain && self.picture.resident().is_some()
     }
 
-    /// See [`crate::texture::ColorNode::normal_spread`].
-    pub(super) fn spread_over(&self, at: &TextureContext) -> NormalSpread {
-        let Some(moments) = &self.moments else { return NormalSpread::default() };
+    /// See [`crate::texture::ColorNode::filtered_normals`].
+    pub(super) fn normals_over(&self, at: &TextureContext) -> Option<FilteredNormals> {
+        let moments = self.moments.as_ref()?;
         let covered: f32 = self.axes(at).iter().map(|axis| axis.length_squared()).sum();
         let share = covered / (covered + 2.0 * BILINEAR_VARIANCE);
         if share.is_nan() || share <= 0.0 {
-            return NormalSpread::default();
+            return None;
         }
-        let [r, g, ..] = self.filtered(at);
-        let mean = 2.0 * Vec2::new(r, g) - 1.0;
+        let [r, g, b, _] = self.filtered(at);
+        let mean = 2.0 * Vec3::new(r, g, b) - 1.0;
         let [xx, yy, xy, _] = moments.filtered(at);
         let variance = |moment: f32, mean: f32| share * (moment - mean * mean - ROUNDING).max(0.0);
         let (xx, yy) = (variance(xx, mean.x), variance(yy, mean.y));
         let most = (xx * yy).sqrt();
-        NormalSpread { xx, yy, xy: (share * (2.0 * xy - 1.0 - mean.x * mean.y)).clamp(-most, most) }
+        let xy = (share * (2.0 * xy - 1.0 - mean.x * mean.y)).clamp(-most, most);
+        let spread = NormalSpread { xx, yy, xy };
+        (!spread.is_none()).then_some(FilteredNormals { mean, spread })
     }
 }

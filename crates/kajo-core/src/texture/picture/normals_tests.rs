@@ -33,7 +33,7 @@ fn spread(map: &PictureMap, uv: Vec2, texels: f32) -> NormalSpread {
     let footprint =
         TextureFootprint { uv: [Vec2::new(width, 0.0), Vec2::new(0.0, width)], ..TextureFootprint::POINT };
     let at = TextureContext { uv: uv.into(), footprint, ..TextureContext::default() };
-    map.normal_spread(&Textures::default(), &at)
+    map.filtered_normals(&Textures::default(), &at).map_or(NormalSpread::default(), |found| found.spread)
 }
 
 /// Facets of random slopes: far away their variances are those of the numbers drawn, from near nothing is left of them.
