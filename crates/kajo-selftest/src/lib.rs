@@ -10,7 +10,8 @@
 //! |m - mu| < 4 s    and    s < noise mu
 //! ```
 //!
-//! since an estimate too noisy to be wrong proves nothing. With the full [`Effort`] the noise is 0.05 %, so that an
+//! since an estimate too noisy to be wrong proves nothing. Where a method may be off by itself, as tables of energies are, an eighth of that is
+//! noise enough. With the full [`Effort`] the noise is 0.05 %, so that an
 //! error of a quarter of a per cent is seen. Rows that fail are measured once more, with other random numbers and
 //! half the noise, and the second answer counts: one right row in six thousand is off by 4 s by chance, but none is
 //! off twice.
@@ -46,6 +47,9 @@ impl Effort {
     /// To a twentieth of a per cent: half an hour.
     pub const FULL: Effort = Effort { noise: 5e-4, most_samples: 1 << 30 };
 }
+
+/// How much noise a row may have for the error that its method is allowed: what is sharper than that shows nothing more.
+const SHARE_OF_ROUNDING: f64 = 0.125;
 
 /// A row that is still to be measured.
 #[derive(Clone, Debug)]
@@ -140,7 +144,7 @@ impl Trial {
                 let target = |noise: f64| Target {
                     mu: *expected,
                     rounding: *rounding,
-                    sigma: noise * expected.abs(),
+                    sigma: noise.max(SHARE_OF_ROUNDING * rounding) * expected.abs(),
                     most_samples: effort.most_samples,
                 };
                 let measure = |seed: u64, noise: f64| exposure.measure(seed, &target(noise), threads);

@@ -10,8 +10,8 @@ Examples:
   kajo selftest --only 'path, lights'       one method of the path integrator
   kajo selftest --json > rows.json
 
-Each row is a scene whose light is known by a formula, with numbers drawn from the seed, rendered by one
-integrator. Exit code 1 when a row fails.";
+Each row is a scene whose light is known by a formula, with numbers drawn from the seed, rendered by
+one integrator. Exit code 1 when a row fails.";
 
 /// `kajo selftest`
 #[derive(Args, Debug)]
