@@ -25,6 +25,8 @@ pub struct Field {
     pub nth: usize,
     /// The type of its value.
     pub kind: FieldKind,
+    /// The range of a slider; see [`FieldSpec::slider`].
+    pub slider: Option<[f64; 2]>,
     /// What it says, in a few words.
     pub about: &'static str,
     /// What holds: the value written, or the default; `None` where no value says what holds.
@@ -110,6 +112,7 @@ impl Tree {
             key: spec.key.to_owned(),
             nth,
             kind: spec.kind,
+            slider: spec.slider,
             about: spec.about,
             value: Some(value.clone()),
             span: Some(self.range(item)),
@@ -132,6 +135,7 @@ impl Tree {
             key: spec.key.to_owned(),
             nth,
             kind: spec.kind,
+            slider: spec.slider,
             about: spec.about,
             span: None,
             means,

@@ -6,6 +6,7 @@ use common::{SCENE, Window};
 use egui::{PointerButton, vec2};
 use egui_kittest::kittest::Queryable as _;
 use kajo_edit::FieldValue;
+use kajo_studio::state::Action;
 
 /// What is written for a key in the block that begins with `head`.
 fn value_of(text: &str, head: &str, key: &str) -> Option<f64> {
@@ -56,7 +57,7 @@ fn the_first_nudge_starts_from_the_default() {
     let index = value_of(&text, "PhongMaterial red", "indexOfRefraction").expect("it is written");
     assert!(index > 1.0 && index < 1.5, "from 1 upwards: {index}");
     assert!(window.harness.query_by_label("More (12)").is_some(), "it is among those that are set");
-    window.studio().apply(kajo_studio::state::Action::Undo);
+    window.studio().apply(Action::Undo);
     assert_eq!(window.text(), SCENE, "one step");
 }
 
@@ -86,7 +87,7 @@ fn what_no_value_says_is_set_to_a_usual_one() {
     let mut window = Window::with(&scene, false);
     let document = window.studio().document.as_ref().unwrap();
     let node = document.outline().nodes().iter().find(|node| &*node.keyword == "Settings").unwrap().id;
-    window.studio().apply(kajo_studio::state::Action::Select(vec![node]));
+    window.studio().apply(Action::Select(vec![node]));
     window.frames(3);
     // Behind it are the keys that the scene does not have.
     window.harness.get_by_label_contains("More (").click();
@@ -106,7 +107,7 @@ fn whole_numbers_stay_whole_when_they_are_dragged() {
     let mut window = Window::with(&SCENE.replace("Group {", "Settings { }\r\nGroup {"), false);
     let document = window.studio().document.as_ref().unwrap();
     let node = document.outline().nodes().iter().find(|node| &*node.keyword == "Settings").unwrap().id;
-    window.studio().apply(kajo_studio::state::Action::Select(vec![node]));
+    window.studio().apply(Action::Select(vec![node]));
     window.frames(3);
     let widget = window.widget("Samples");
     window.drag(PointerButton::Primary, widget, vec2(37.0, 0.0));
@@ -115,4 +116,41 @@ fn whole_numbers_stay_whole_when_they_are_dragged() {
         text.split("samples jittered ").nth(1).expect("it is written").split_whitespace().next().unwrap();
     assert!(samples.parse::<u32>().is_ok_and(|samples| samples > 16), "{samples}");
     assert_eq!(window.studio().n_errors(), 0);
+}
+
+/// A hole in a space, and a ball that rides past it; select the one by its name, the other as the only `Lorentz`.
+const CURVED: &str = "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40 }
+Background { color 0.2 0.2 0.2 }
+Media { BlackHole hole { mass 1  spin 0.3 } }
+Materials { Interface space { medium hole }  Matte grey { color 0.5 0.5 0.5 } }
+Group ride { Lorentz boost { velocity 0.3 0 -0.4  MaterialIndex grey  Sphere { center 0 0 -3 radius 0.5 } } }
+";
+
+/// Mass, spin and the length of a velocity have sliders, whose drag is one step and keeps the direction.
+#[test]
+fn sliders_try_masses_and_speeds() {
+    let mut window = Window::with(CURVED, false);
+    window.select("hole");
+    let widget = window.widget("Mass");
+    window.drag(PointerButton::Primary, widget, vec2(12.0, 0.0));
+    let text = window.text();
+    let mass = value_of(&text, "BlackHole hole", "mass").unwrap();
+    assert!(mass > 1.2 && mass < 100.0, "{mass}");
+    assert_eq!(text.replace(&format!("mass {mass} "), "mass 1 "), CURVED);
+    window.studio().apply(Action::Undo);
+    assert_eq!(window.text(), CURVED);
+
+    window.select("boost");
+    let widget = window.widget("Velocity");
+    window.drag(PointerButton::Primary, widget, vec2(25.0, 0.0));
+    let text = window.text();
+    let numbers = text.split("velocity ").nth(1).unwrap().split_whitespace().take(3);
+    let [x, y, z] = numbers.map(|v| v.parse::<f64>().unwrap()).collect::<Vec<_>>()[..] else {
+        panic!("{text}")
+    };
+    let speed = x.hypot(z);
+    assert!(
+        y == 0.0 && (x / z + 0.75).abs() < 1e-3 && speed < 1.0 && (speed - 0.5).abs() > 0.02,
+        "{x} {y} {z}"
+    );
 }

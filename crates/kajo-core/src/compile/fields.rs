@@ -116,6 +116,11 @@ impl<V> Typed<V> {
         Typed::with(FieldSpec { unit, ..self.spec })
     }
 
+    /// The same for a field that is mostly tried between two values; see [`FieldSpec::slider`].
+    pub const fn sliding(self, slider: [f64; 2]) -> Typed<V> {
+        Typed::with(FieldSpec { slider: Some(slider), ..self.spec })
+    }
+
     /// The same for a field that may be a texture as well, behind whose name `block` says more.
     pub const fn textured(self, block: &'static Block) -> Typed<V> {
         Typed::with(self.spec.or_texture(block))

@@ -17,7 +17,7 @@ pub(super) struct Velocity(pub DVec3);
 
 /// What says how something moves.
 pub(super) const VELOCITY: Typed<Velocity> =
-    Typed::new("velocity", FieldKind::Numbers(&[NumberRange::ANY; 3]));
+    Typed::new("velocity", FieldKind::Numbers(&[NumberRange::ANY; 3])).sliding([0.0, 0.999]);
 
 impl Plain<'_> for Velocity {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Velocity, Diagnostic> {

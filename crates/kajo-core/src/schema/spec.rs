@@ -305,6 +305,8 @@ pub struct FieldSpec {
     pub texture: Option<&'static Block>,
     /// What its numbers count; empty where that is no unit.
     pub unit: &'static str,
+    /// The range in which it is mostly tried, of a number or of the length of a vector: that of a slider. By powers where it is all positive.
+    pub slider: Option<[f64; 2]>,
     /// What holds while it is absent.
     pub absent: Absent,
     /// A field without which it says nothing, or is an error.
@@ -329,6 +331,7 @@ impl FieldSpec {
             kind,
             texture: None,
             unit: "",
+            slider: None,
             absent: Absent::Required,
             needs: None,
             excludes: &[],

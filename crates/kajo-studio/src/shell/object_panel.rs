@@ -203,7 +203,21 @@ fn value_of_row(ui: &mut Ui, field: &Field, label: Id) -> Option<FieldValue> {
             | FieldKind::Integrator
     );
     match &field.value {
-        Some(value) => editor(ui, field.kind, value, "", label),
+        Some(value) => match field.slider.filter(|_| value.word.is_none()) {
+            None => editor(ui, field.kind, value, "", label),
+            // Beside one number, below several.
+            Some(range) if value.numbers.len() <= 1 => {
+                let typed = editor(ui, field.kind, value, "", label);
+                sliding(ui, value, range, label).or(typed)
+            }
+            Some(range) => {
+                let both = ui.vertical(|ui| {
+                    let typed = ui.horizontal(|ui| editor(ui, field.kind, value, "", label)).inner;
+                    sliding(ui, value, range, label).or(typed)
+                });
+                both.inner
+            }
+        },
         None if is_typed || field.required => {
             editor(ui, field.kind, &field.start, &in_words(field.means), label)
         }
@@ -288,6 +302,22 @@ fn number(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Opt
         ui.add(drag.speed(step(value.numbers.first().copied().unwrap_or(0.0))).max_decimals(6))
     };
     response.labelled_by(label).changed().then(|| FieldValue::numbers([tidy(v)]))
+}
+
+/// A slider over the range in which a number, or the length of a vector, is mostly tried.
+fn sliding(ui: &mut Ui, value: &FieldValue, [lo, hi]: [f64; 2], label: Id) -> Option<FieldValue> {
+    let is_vector = value.numbers.len() > 1;
+    let length = value.numbers.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let mut new = length;
+    let slider = Slider::new(&mut new, lo..=hi).clamping(SliderClamping::Never).show_value(is_vector);
+    let response = ui.add(slider.logarithmic(lo > 0.0).max_decimals(4));
+    let response = if is_vector { response.on_hover_text("how long it is") } else { response };
+    response.labelled_by(label).changed().then(|| match (is_vector, length > 0.0) {
+        (false, _) => FieldValue::numbers([tidy(new)]),
+        (true, true) => FieldValue::numbers(value.numbers.iter().map(|v| tidy(v * new / length))),
+        // A vector of no direction goes forward.
+        (true, false) => FieldValue::numbers([0.0, 0.0, -tidy(new)]),
+    })
 }
 
 fn angle(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Option<FieldValue> {

@@ -22,7 +22,7 @@ choices! {
 keys! {
     BlackHoleKeys {
         center: Vec3 = point("center").or([0.0; 3], "its middle"),
-        mass: f32 = positive("mass").unit("length").or(1.0, "half the radius of its horizon, were it not to spin"),
+        mass: f32 = positive("mass").unit("length").sliding([0.01, 100.0]).or(1.0, "half the radius of its horizon, were it not to spin"),
         spin: f32 = between("spin", -1.0, 1.0).or(0.0, "angular momentum over the square of the mass"),
         axis: Direction = direction("axis").or([0.0, 1.0, 0.0], "what it spins about, right-handed"),
         observer: BlackHoleObserver = choice::<BlackHoleObserver>("observer")

@@ -13,7 +13,7 @@ keys! {
         mouth: Vec3 = point("mouth").required("the middle of one mouth"),
         other: Vec3 = point("other").required("the middle of the other one"),
         radius: f32 = positive("radius").unit("length").required("of the ball around each mouth in which space is curved"),
-        throat: f32 = positive("throat").unit("length").required("radius of its narrowest place"),
+        throat: f32 = positive("throat").unit("length").sliding([0.01, 100.0]).required("radius of its narrowest place"),
         length: f32 = at_least("length", 0.0).unit("length").or(0.0, "how long it is as narrow as that"),
         width: f32 = at_least("width", 0.0)
             .unit("length")
