@@ -95,6 +95,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
         "light",
         &[
             "ids",
+            "differential",
             "family",
             "interaction",
             "background",
@@ -107,8 +108,8 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
         ],
     ),
     ("item_buffer", &["ids", "shape"]),
-    ("curved_light", &[]),
-    ("medium", &["curved_light", "family", "interaction", "texture"]),
+    ("curved_light", &["differential"]),
+    ("medium", &["curved_light", "differential", "family", "interaction", "texture"]),
     ("objects", &[]),
     ("nested", &["ids", "interaction", "material", "objects", "shape"]),
     ("camera", &["interaction", "motion"]),
@@ -117,8 +118,8 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
     ("environment", &[]),
     ("sky_disc", &[]),
     ("daylight", &["environment", "sky_disc"]),
-    ("star_field", &[]),
-    ("background", &["interaction", "environment", "daylight", "star_field"]),
+    ("star_field", &["differential"]),
+    ("background", &["differential", "interaction", "environment", "daylight", "star_field"]),
     (
         "scene",
         &[
@@ -148,10 +149,21 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
     ("schema", &["scene", "settings"]),
     (
         "lighting",
-        &["ids", "interaction", "bsdf", "texture", "emission", "light", "material", "sampler", "scene"],
+        &[
+            "ids",
+            "differential",
+            "interaction",
+            "bsdf",
+            "texture",
+            "emission",
+            "light",
+            "material",
+            "sampler",
+            "scene",
+        ],
     ),
     ("shading", &["interaction", "material", "scene"]),
-    ("space", &["ids", "curved_light", "medium", "scene"]),
+    ("space", &["ids", "curved_light", "differential", "medium", "scene"]),
     (
         "builder",
         &[
@@ -206,6 +218,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
             "light",
             "measured",
             "curved_light",
+            "differential",
             "medium",
             "animation",
             "motion",

@@ -12,6 +12,7 @@ use kajo_image::Image;
 use kajo_math::{Vec2, Vec3};
 
 use crate::daylight::{Sky, Sun};
+use crate::differential::SkyFootprint;
 use crate::environment::{Environment, SphereDensity, direction_of};
 use crate::star_field::StarField;
 
@@ -89,6 +90,22 @@ impl Background {
             _ if wavelengths.is_spectral() => RgbBasis::new(wavelengths).emission(self.color(d).to_rgb()),
             _ => self.color(d),
         }
+    }
+
+    /// The same as a pixel sees it: no star is smaller than that.
+    #[inline]
+    pub fn radiance_within(&self, d: Vec3, footprint: &SkyFootprint, wavelengths: &Wavelengths) -> Spectrum {
+        match self {
+            Background::Starry { behind, stars } if !footprint.is_point() => {
+                behind.radiance(d, wavelengths) + stars.radiance_within(d, footprint, wavelengths)
+            }
+            _ => self.radiance(d, wavelengths),
+        }
+    }
+
+    /// Whether it asks what a pixel covers.
+    pub fn wants_footprint(&self) -> bool {
+        matches!(self, Background::Starry { stars, .. } if stars.wants_footprint())
     }
 
     /// Where light comes from, stars left out, to draw directions by; `None` where it comes from everywhere alike, or from nowhere.

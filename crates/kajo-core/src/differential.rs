@@ -34,6 +34,15 @@ pub struct RayDifferential {
     pub dd: [Vec3; 2],
 }
 
+/// How far samples of a pixel are from each other, in parts of it.
+///
+/// Of `n` samples each covers about a part `1/n`, so its sides are `1/sqrt(n)` of a pixel's; not less than an eighth, beyond which filters
+/// would have nothing left to do [Pharr et al. 2023, 10.1].
+#[inline]
+pub fn sample_side(samples: u32) -> f32 {
+    (1.0 / (samples.max(1) as f32).sqrt()).max(0.125)
+}
+
 /// The least cosine that a footprint is stretched by.
 const LEAST_COSINE: f32 = 1e-5;
 
@@ -116,6 +125,26 @@ impl SurfaceFootprint {
     #[inline]
     pub fn is_point(&self) -> bool {
         self.dp == [Vec3::ZERO; 2]
+    }
+}
+
+/// What a pixel covers of all that is infinitely far away: how the direction of a ray is from those of the neighbouring pixels.
+///
+/// Zero where nothing is known of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SkyFootprint {
+    /// Differences of unit directions, at right angles to them.
+    pub dd: [Vec3; 2],
+}
+
+impl SkyFootprint {
+    /// That of a single direction.
+    pub const POINT: SkyFootprint = SkyFootprint { dd: [Vec3::ZERO; 2] };
+
+    /// Whether it is that of a single direction.
+    #[inline]
+    pub fn is_point(&self) -> bool {
+        self.dd == [Vec3::ZERO; 2]
     }
 }
 

@@ -5,6 +5,7 @@ use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
 use kajo_math::{Aabb, Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
+use crate::differential::SkyFootprint;
 use crate::emission::{Leaving, VariedEmission};
 use crate::ids::{LightIndex, VariedEmissionId};
 use crate::interaction::{SurfacePoint, SurfaceUv, test_error};
@@ -97,13 +98,16 @@ impl Scene {
     }
 
     /// The lights that a ray along the unit vector `d` hits when it leaves the scene, the background first.
+    ///
+    /// * `footprint`: of the pixel, for a path that no other way of finding these lights competes with
     #[inline]
     pub fn lights_at_infinity<'a>(
         &'a self,
         d: Vec3,
+        footprint: &'a SkyFootprint,
         wavelengths: &'a Wavelengths,
     ) -> impl Iterator<Item = LightHit> {
-        self.lighting.sampler.at_infinity(&self.lighting.lights, d, wavelengths)
+        self.lighting.sampler.at_infinity(&self.lighting.lights, d, footprint, wavelengths)
     }
 
     /// Light of a light for a receiver, whether or not anything is in the way; its density leaves out the choice of the

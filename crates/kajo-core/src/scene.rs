@@ -107,6 +107,12 @@ impl Scene {
         self.output.camera.moves() || self.geometry.motions.iter().any(MovingTransform::moves)
     }
 
+    /// Whether anything asks what a sample covers, so that paths carry differentials.
+    #[inline]
+    pub fn wants_differentials(&self) -> bool {
+        self.appearance.has_filters || self.lighting.background.wants_footprint()
+    }
+
     /// Whether there is any medium that light may be scattered or absorbed in, so that paths have to ask.
     pub fn has_media(&self) -> bool {
         self.appearance.has_media || self.lighting.air.is_some()

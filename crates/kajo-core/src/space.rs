@@ -16,6 +16,7 @@ use kajo_color::Wavelengths;
 use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::curved_light::{Chords, Followed, Outcome, Region};
+use crate::differential::RayDifferential;
 use crate::ids::ObjectId;
 use crate::medium::MediumId;
 use crate::scene::{Interaction, Scene};
@@ -46,6 +47,8 @@ pub struct Arrival {
     pub eta_scale: f32,
     /// Frequency where the way begins over that where it ends.
     pub g: f32,
+    /// How it differs there from the rays beside it; `None` unless that was asked for, and where it is not known.
+    pub differential: Option<RayDifferential>,
 }
 
 impl Space {
@@ -70,6 +73,7 @@ impl Scene {
     /// Follows light through a body that bends it, to the first surface that it meets, which may be that of the body.
     ///
     /// * `ray`: starts inside of the body; its direction has unit length
+    /// * `around`: how neighbouring rays differ from it, if they are to be followed too
     /// * `medium`: what fills the body
     /// * `at`: filled with where light arrives, if it meets anything; the hit's `t` is that of the last chord
     /// * `passed`: told of each straight piece that light has gone, the last one excepted
@@ -77,7 +81,7 @@ impl Scene {
     /// Returns `None` where the medium does not bend light.
     pub fn follow(
         &self,
-        ray: &Ray,
+        (ray, around): (&Ray, Option<&RayDifferential>),
         medium: MediumId,
         body: ObjectId,
         wavelengths: &Wavelengths,
@@ -86,8 +90,13 @@ impl Scene {
     ) -> Option<Arrival> {
         let region = Region { bounds: self.bounds_of(body) };
         let mut chords = SceneChords { scene: self, at, passed };
-        let followed = self.appearance.media.follow(medium, ray, &region, wavelengths, &mut chords)?;
-        let Followed { outcome, chord, length, index, eta_scale, g, .. } = followed;
+        let followed =
+            self.appearance.media.follow(medium, ray, around, &region, wavelengths, &mut chords)?;
+        let Followed { outcome, chord, length, index, eta_scale, g, bundle, .. } = followed;
+        let differential = bundle.map(|bundle| match outcome {
+            Outcome::Meets => bundle.on_plane(at.point.ng.as_dvec3()),
+            _ => bundle.here(),
+        });
         let mut d = followed.d.as_vec3();
         if outcome == Outcome::Meets {
             // Of light that grazes a surface the tangent may be on the one side and the chord on the other: it was the chord that met it.
@@ -101,7 +110,7 @@ impl Scene {
             }
         }
         let [eta, eta_scale, g] = [index, eta_scale, g].map(|v| v as f32);
-        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g })
+        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, differential })
     }
 
     /// A box around a body; around the whole scene where that has no bounds.

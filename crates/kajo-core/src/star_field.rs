@@ -6,10 +6,21 @@
 //! L(h) = 3 E / (2 pi H) (1 - h/H)^2,     h = 1 - cos θ < H = 1 - cos r
 //! ```
 //!
-//! whose light over all directions is `E` exactly. So pictures hold still where stars drift over pixels, and what bends light between
-//! them and the camera makes them larger, and thereby brighter, as it does. Stars are black bodies, of 64 temperatures.
+//! whose light over all directions is `E` exactly, and what bends light between them and the camera makes them larger, and thereby
+//! brighter, as it does. Stars are black bodies, of 64 temperatures.
 //!
-//! Each star is listed in the squares of six faces of a cube that its disc may touch; a direction asks those of one square.
+//! A pixel that is larger than a star would see it now and then. So a path that knows what its pixel covers of the sky, the vectors `a` and `b`
+//! between directions of neighbouring pixels, sees the same star as an ellipse that is at least some `k` pixels large,
+//!
+//! ```text
+//! L(x) = 3 E / (pi sqrt(det M)) (1 - x' M^-1 x)^2,     M = 2 H I + k^2 (a a' + b b')
+//! ```
+//!
+//! with the same light in all. Where gravity magnifies the sky `det M` is small and the star is bright, as large in the picture as
+//! any other; pictures hold still where stars drift over pixels [James et al. 2015, A.2.2].
+//!
+//! Each star is listed in the squares of six faces of a cube that its disc may touch; a direction asks those of one square, and a pixel
+//! those of its reach.
 //!
 //! Scene: `Background { stars { count 9000  galaxy 0.5 } }`
 
@@ -19,6 +30,8 @@ use std::fmt;
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::rng::Stream;
 use kajo_math::{Frame, Vec2, Vec3, fmath};
+
+use crate::differential::SkyFootprint;
 
 /// A point of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +83,8 @@ pub struct StarField {
     height: f32,
     /// Luminance in the middle of a disc over its illuminance, `3 / (2 pi H)`.
     peak: f32,
+    /// Radius in pixels that none is smaller than, where it is known what a pixel covers.
+    pixels: f32,
     /// Squares along the edge of a face.
     side: usize,
     /// Where the stars of each square begin in `listed`, and where the last ones end.
@@ -85,6 +100,8 @@ struct PlacedStar {
     direction: Vec3,
     illuminance: f32,
     color: u8,
+    /// The square that it is in.
+    square: u32,
 }
 
 /// Why a catalogue lists no stars.
@@ -172,6 +189,8 @@ impl StarField {
     ///
     /// * `radius`: of each star, in radians; at most [`LARGEST_RADIUS`]
     /// * `scale`: factor of their light; 1 for lux
+    ///
+    /// What pixels cover does not count until [`StarField::at_least`] says how much.
     pub fn new(stars: &[Star], radius: f32, scale: f32) -> StarField {
         let half = fmath::sin(0.5 * radius.min(LARGEST_RADIUS));
         let placed = |star: &Star| {
@@ -180,6 +199,7 @@ impl StarField {
                 direction: star.direction,
                 illuminance: scale * VEGA * fmath::exp(-MAGNITUDE * star.magnitude),
                 color: (at * (COLORS - 1) as f32).round().clamp(0.0, (COLORS - 1) as f32) as u8,
+                square: 0,
             }
         };
         let step = fmath::ln(HOTTEST / COOLEST) / (COLORS - 1) as f32;
@@ -198,13 +218,29 @@ impl StarField {
             sums,
             height: 2.0 * half * half,
             peak: 3.0 / (TAU * 2.0 * half * half),
+            pixels: 0.0,
             side,
             starts: Vec::new(),
             listed: Vec::new(),
             colors: (0..COLORS).map(color).collect(),
         };
+        for i in 0..field.stars.len() {
+            field.stars[i].square = field.square(field.stars[i].direction) as u32;
+        }
         (field.starts, field.listed) = field.lists(radius);
         field
+    }
+
+    /// The same where none is seen smaller than some pixels.
+    ///
+    /// * `pixels`: the radius, 0 for stars of their own size
+    pub fn at_least(self, pixels: f32) -> StarField {
+        StarField { pixels, ..self }
+    }
+
+    /// Whether it counts what a pixel covers.
+    pub fn wants_footprint(&self) -> bool {
+        self.pixels > 0.0
     }
 
     /// Which stars may touch each square.
@@ -249,20 +285,41 @@ impl StarField {
         rows.flat_map(move |row| columns.clone().map(move |column| (face * side + row) * side + column))
     }
 
-    /// The stars that may be seen in a unit direction, each with its luminance there.
-    fn seen(&self, d: Vec3) -> impl Iterator<Item = (&PlacedStar, f32)> {
+    /// The square that a direction is in.
+    fn square(&self, d: Vec3) -> usize {
         let face = face_of(d);
         let [ahead, x, y] = on_face(d, face);
         let cell = |at: f32| ((0.5 * (at / ahead + 1.0) * self.side as f32) as usize).min(self.side - 1);
-        let square = (face * self.side + cell(y)) * self.side + cell(x);
-        let listed = match self.starts.get(square..square + 2) {
+        (face * self.side + cell(y)) * self.side + cell(x)
+    }
+
+    /// The stars that may touch a square.
+    fn listed(&self, square: usize) -> &[u32] {
+        match self.starts.get(square..square + 2) {
             Some(&[from, to]) => &self.listed[from as usize..to as usize],
             _ => &[],
-        };
-        listed.iter().filter_map(move |&i| {
+        }
+    }
+
+    /// The stars that may be seen in a unit direction, each with its luminance there.
+    fn seen(&self, d: Vec3) -> impl Iterator<Item = (&PlacedStar, f32)> {
+        self.listed(self.square(d)).iter().filter_map(move |&i| {
             let star = &self.stars[i as usize];
             let rest = 1.0 - 0.5 * d.distance_squared(star.direction) / self.height;
             (rest > 0.0).then_some((star, star.illuminance * self.peak * rest * rest))
+        })
+    }
+
+    /// The stars that a pixel around a unit direction may see, each with its luminance there.
+    fn seen_within(&self, d: Vec3, footprint: &SkyFootprint) -> impl Iterator<Item = (&PlacedStar, f32)> {
+        let ellipse = StarEllipse::new(d, 2.0 * self.height, footprint.dd.map(|dd| self.pixels * dd));
+        let squares = (0..6).flat_map(move |face| self.touched(d, ellipse.reach, face));
+        let listed = squares.flat_map(move |square| self.listed(square).iter().map(move |&i| (square, i)));
+        listed.filter_map(move |(square, i)| {
+            let star = &self.stars[i as usize];
+            let is_own = star.square as usize == square;
+            let rest = if is_own { 1.0 - ellipse.distance2(star.direction - d) } else { 0.0 };
+            (rest > 0.0).then_some((star, star.illuminance * ellipse.peak * rest * rest))
         })
     }
 
@@ -277,6 +334,16 @@ impl StarField {
     /// Their radiance from the direction `d`, not necessarily of unit length.
     pub fn radiance(&self, d: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         let stars = self.seen(d.normalize_or_zero());
+        stars.fold(Spectrum::BLACK, |sum, (star, luminance)| {
+            sum + self.colors[usize::from(star.color)].at(wavelengths) * luminance
+        })
+    }
+
+    /// The same as a pixel sees it, where stars are at least as large as [`StarField::at_least`] says.
+    ///
+    /// * `d`: unit vector
+    pub fn radiance_within(&self, d: Vec3, footprint: &SkyFootprint, wavelengths: &Wavelengths) -> Spectrum {
+        let stars = self.seen_within(d, footprint);
         stars.fold(Spectrum::BLACK, |sum, (star, luminance)| {
             sum + self.colors[usize::from(star.color)].at(wavelengths) * luminance
         })
@@ -326,6 +393,52 @@ impl StarField {
         let finite =
             |star: &PlacedStar| star.direction.is_finite() && (self.peak * star.illuminance).is_finite();
         self.stars.iter().all(finite)
+    }
+}
+
+/// A star as a pixel sees it around one direction.
+#[derive(Clone, Copy, Debug)]
+struct StarEllipse {
+    /// Unit vectors at right angles to the direction, along the axes.
+    axes: [Vec3; 2],
+    /// Squares of the half axes.
+    lengths2: [f32; 2],
+    /// The longer half axis.
+    reach: f32,
+    /// Luminance in the middle over the illuminance of the star.
+    peak: f32,
+}
+
+impl StarEllipse {
+    /// * `d`: unit direction
+    /// * `r2`: square of the radius of a star
+    /// * `sides`: of what else it covers. No half axis is longer than [`LARGEST_RADIUS`] but for that of the star.
+    fn new(d: Vec3, r2: f32, sides: [Vec3; 2]) -> StarEllipse {
+        let frame = Frame::from_normal(d);
+        let [a, b] = sides.map(|side| Vec2::new(side.dot(frame.s), side.dot(frame.t)));
+        let (xx, xy, yy) = (a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
+        // Eigenvalues of the symmetric matrix, and the angle of the first eigenvector, of which twice is known.
+        let (mean, half, skew) = (0.5 * (xx + yy), 0.5 * (xx - yy), xy);
+        let apart = (half * half + skew * skew).sqrt();
+        let double = if apart > 0.0 { Vec2::new(half, skew) / apart } else { Vec2::X };
+        let cos = (0.5 * (1.0 + double.x)).max(0.0).sqrt();
+        let sin = (0.5 * (1.0 - double.x)).max(0.0).sqrt().copysign(double.y);
+        let largest = LARGEST_RADIUS * LARGEST_RADIUS;
+        let lengths2 = [mean + apart, mean - apart].map(|length2| r2 + length2.clamp(0.0, largest));
+        StarEllipse {
+            axes: [cos * frame.s + sin * frame.t, cos * frame.t - sin * frame.s],
+            lengths2,
+            reach: lengths2[0].max(lengths2[1]).sqrt(),
+            peak: 3.0 / (0.5 * TAU * (lengths2[0] * lengths2[1]).sqrt()),
+        }
+    }
+
+    /// The square of a difference from the direction, 1 at the rim; more behind the viewer.
+    fn distance2(&self, x: Vec3) -> f32 {
+        let [u, v] = self.axes.map(|axis| axis.dot(x));
+        // What is not across counts too, by which the other side of the sky is out of reach.
+        let along2 = (x.length_squared() - u * u - v * v).max(0.0);
+        (u * u + along2) / self.lengths2[0] + v * v / self.lengths2[1]
     }
 }
 
@@ -401,6 +514,69 @@ mod tests {
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
         let mean = f64::from(field.mean_luminance()) * 4.0 * std::f64::consts::PI;
         assert!((mean / expected - 1.0).abs() < 1e-4, "{mean}");
+    }
+
+    /// Footprints of all sizes, and of all shapes.
+    fn footprint(d: Vec3, long: f32, short: f32, turn: f32) -> SkyFootprint {
+        let Frame { s, t, .. } = Frame::from_normal(d);
+        let (sin, cos) = turn.sin_cos();
+        SkyFootprint { dd: [long * (cos * s + sin * t), short * (cos * t - sin * s)] }
+    }
+
+    /// A star is as bright to pixels of any shape, those included that cover more than a star may be.
+    #[test]
+    fn pixels_see_all_the_light_of_a_star() {
+        let star = Star { direction: Vec3::new(0.48, 0.6, -0.64), magnitude: 0.0, temperature: 6500.0 };
+        for (radius, long, short) in
+            [(1e-3, 0.04, 0.03), (0.02, 0.05, 0.0), (1e-3, 1.0, 0.05), (0.05, 0.0, 0.0)]
+        {
+            let field = field(&[star], radius).at_least(1.5);
+            let n = 1_000_000;
+            let light = |d: Vec3| {
+                let footprint = footprint(d, long, short, 0.7);
+                f64::from(field.radiance_within(d, &footprint, &Wavelengths::RGB).luminance())
+            };
+            let found = 4.0 * std::f64::consts::PI * directions(n).map(light).sum::<f64>() / f64::from(n);
+            assert!((found / 2.54e-6 - 1.0).abs() < 1e-2, "{radius} {long} {short}: {found}");
+        }
+    }
+
+    /// What is listed is what all stars together are, each once, and those that no pixel is as large as are what they were.
+    #[test]
+    fn pixels_overlook_no_star() {
+        for (count, radius) in [(5000, 0.002), (300, 0.05), (20_000, 1e-4)] {
+            let stars = drawn(count);
+            let field = field(&stars, radius).at_least(2.0);
+            for (i, d) in directions(400).enumerate() {
+                let (long, short) = (0.001 * (i % 29) as f32, 0.0005 * (i % 31) as f32);
+                let footprint = footprint(d, long, short, i as f32);
+                let ellipse = StarEllipse::new(d, 2.0 * field.height, footprint.dd.map(|dd| 2.0 * dd));
+                let covers = |star: &&Star| ellipse.distance2(star.direction - d) < 1.0;
+                let expected = stars.iter().filter(covers).count();
+                assert_eq!(field.seen_within(d, &footprint).count(), expected, "{count} {radius}: {d}");
+                let [point, plain] = [
+                    field.radiance_within(d, &SkyFootprint::POINT, &Wavelengths::RGB).luminance(),
+                    field.radiance(d, &Wavelengths::RGB).luminance(),
+                ];
+                assert!((point - plain).abs() <= 1e-3 * plain, "{d}: {point} {plain}");
+            }
+        }
+    }
+
+    /// Half axes are what two sides span, whatever their order.
+    #[test]
+    fn ellipses_are_those_of_their_sides() {
+        for (i, d) in directions(50).enumerate() {
+            let footprint = footprint(d, 0.04, 0.01, i as f32);
+            for sides in [footprint.dd, [footprint.dd[1], -footprint.dd[0]]] {
+                let ellipse = StarEllipse::new(d, 1e-6, sides);
+                for (side, length) in footprint.dd.into_iter().zip([0.04f32, 0.01]) {
+                    let rim = side * ((length * length + 1e-6).sqrt() / length);
+                    assert!((ellipse.distance2(rim) - 1.0).abs() < 1e-3, "{d}: {}", ellipse.distance2(rim));
+                }
+                assert!((ellipse.reach - 0.04).abs() < 1e-4 && ellipse.distance2(-2.0 * d) > 1.0);
+            }
+        }
     }
 
     /// Luminance over density is the same in all directions that are drawn, at the poles and where discs overlap as well.

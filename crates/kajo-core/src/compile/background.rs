@@ -98,7 +98,9 @@ keys! {
             .placed()
             .not_beside(&["count"])
             .option("a table in their place: right ascension, declination, magnitude, temperature"),
-        radius: f32 = degrees("radius", 1e-4, 5.0).or(0.04, "how large each is seen"),
+        radius: f32 = degrees("radius", 1e-4, 5.0).or(0.04, "how large each is"),
+        pixels: f32 = between("pixelRadius", 0.0, 8.0).unit("pixels")
+            .or(1.5, "no star is seen smaller than that; 0 for stars of their own size"),
         scale: f32 = at_least("scale", 0.0).or(1.0, "makes them brighter; 1 for lux"),
     }
 }
@@ -181,7 +183,7 @@ impl Compiler<'_> {
             }
             StarKeys::read(params, sources)
         })?;
-        let StarKeys { count, seed, faintest, galaxy, pole, catalog, radius, scale } = keys;
+        let StarKeys { count, seed, faintest, galaxy, pole, catalog, radius, pixels, scale } = keys;
         let count = count.map_or(9000, |count| count.value);
         let stars = match &catalog {
             Some(file) => self.star_catalog(file)?,
@@ -190,7 +192,7 @@ impl Compiler<'_> {
                 StarDraw { count, seed, faintest, galaxy, pole: pole.0 }.stars()
             }
         };
-        Some(Arc::new(StarField::new(&stars, radius.to_radians(), scale)))
+        Some(Arc::new(StarField::new(&stars, radius.to_radians(), scale).at_least(pixels)))
     }
 
     /// The stars of a table; why it has none is reported.

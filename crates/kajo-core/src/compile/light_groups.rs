@@ -24,6 +24,7 @@ mod tests {
     use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
     use crate::compile::{CompileOptions, compile};
+    use crate::differential::SkyFootprint;
     use crate::ids::LightIndex;
     use crate::scene::Scene;
 
@@ -54,7 +55,8 @@ mod tests {
         let groups: Vec<usize> =
             LightIndex::all(6).map(|light| scene.lighting.sampler.group(light).index()).collect();
         assert_eq!(groups, [2, 0, 2, 0, 3, 1]);
-        let seen: Vec<_> = scene.lights_at_infinity(Vec3::Y, &Wavelengths::RGB).collect();
+        let seen: Vec<_> =
+            scene.lights_at_infinity(Vec3::Y, &SkyFootprint::POINT, &Wavelengths::RGB).collect();
         assert_eq!(seen.iter().map(|hit| hit.group.index()).collect::<Vec<_>>(), [1], "the background");
         let plain = compiled("Lights { PointLight { position 0 1 0 color 1 1 1 group other } }").unwrap();
         assert_eq!(&*plain.lighting.groups, ["other"]);

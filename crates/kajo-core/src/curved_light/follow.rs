@@ -3,7 +3,9 @@
 use kajo_math::ode::{Solver, Step, Tolerance, euler_step, rk4_step};
 use kajo_math::{DVec3, Ray};
 
+use super::bundle::RayBundle;
 use super::{Chords, Followed, Outcome, RayEquation, RayState, Region, SAG, Stepping, position};
+use crate::differential::RayDifferential;
 
 /// Errors of a step, in units of the body's extent for positions and of the momentum's own for that.
 pub(crate) const TOLERANCE: Tolerance = Tolerance { absolute: 1e-11, relative: 1e-10 };
@@ -26,7 +28,14 @@ const OVERLAP: f32 = 1e-4;
 /// Follows a ray through a body until it meets a surface.
 ///
 /// * `ray`: starts inside of the body; its direction has unit length
-pub fn follow(equation: &impl RayEquation, ray: &Ray, region: &Region, chords: &mut impl Chords) -> Followed {
+/// * `around`: how neighbouring rays differ from it, if they are to be followed too; steps of a fixed length leave them behind
+pub fn follow(
+    equation: &impl RayEquation,
+    ray: &Ray,
+    around: Option<&RayDifferential>,
+    region: &Region,
+    chords: &mut impl Chords,
+) -> Followed {
     let way =
         RegionUnits { equation, time: ray.time, center: region.center(), extent: region.extent(), region };
     let (p, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
@@ -34,7 +43,10 @@ pub fn follow(equation: &impl RayEquation, ray: &Ray, region: &Region, chords: &
         return way.lost(ray);
     };
     match equation.stepping() {
-        Stepping::Adaptive => way.adaptive(&start, ray, chords),
+        Stepping::Adaptive => {
+            let bundle = around.and_then(|around| way.bundle(p, d, around));
+            way.adaptive(&start, ray, bundle, chords)
+        }
         Stepping::Euler(steps) => way.fixed(&start, ray, steps, chords, |y, h| {
             euler_step(&mut |_, y: &RayState| way.slope(y), 0.0, y, h)
         }),
@@ -77,8 +89,35 @@ impl<E: RayEquation> RegionUnits<'_, E> {
         Ray { o: a, t_min: 0.0, d: b - a, t_max: 1.0 + OVERLAP, time: self.time }
     }
 
+    /// The bundle around a ray at its start.
+    #[cold]
+    fn bundle(&self, p: DVec3, d: DVec3, around: &RayDifferential) -> Option<RayBundle> {
+        let start = |p: DVec3, d: DVec3| self.equation.start(p, d).map(|y| self.in_units(&y));
+        RayBundle::start((p, d), around, self.extent, start, |y| self.slope(y))
+    }
+
+    /// Takes a bundle along a step, and through the gate at the end of it.
+    #[cold]
+    fn carry(&self, bundle: &mut Option<RayBundle>, step: &Step<8>, theta: f64, is_gate: bool) {
+        let Some(delta) = bundle else { return };
+        delta.advance(step, theta, |y| self.slope(y));
+        if is_gate {
+            let y = step.at(theta);
+            let before = |y: &RayState| self.equation.before_gate(&self.in_world(y));
+            let through =
+                |y: &RayState| self.equation.through_gate(&self.in_world(y)).map(|y| self.in_units(&y));
+            *bundle = delta.through_gate(&y, before, through, |y| self.slope(y));
+        }
+    }
+
     /// Steps with error control.
-    fn adaptive(&self, start: &RayState, ray: &Ray, chords: &mut impl Chords) -> Followed {
+    fn adaptive(
+        &self,
+        start: &RayState,
+        ray: &Ray,
+        mut bundle: Option<RayBundle>,
+        chords: &mut impl Chords,
+    ) -> Followed {
         let mut f = |_: f64, y: &RayState| self.slope(y);
         let mut solver = Solver::new(&mut f, 0.0, self.in_units(start), TOLERANCE);
         for _ in 0..MOST_STEPS {
@@ -95,27 +134,25 @@ impl<E: RayEquation> RegionUnits<'_, E> {
                 if let Some((theta, chord)) = self.first_meeting(&step, [a, b], chords) {
                     let o = self.chord(&step.at(a), &step.at(b)).o;
                     chords.passed(&Ray { o, d: chord.o - o, t_max: 1.0, ..chord });
-                    return self.end(Outcome::Meets, start, &step.at(theta), chord);
+                    self.carry(&mut bundle, &step, theta, false);
+                    return self.end(Outcome::Meets, start, &step.at(theta), chord, bundle);
                 }
                 chords.passed(&Ray { t_max: 1.0, ..self.chord(&step.at(a), &step.at(b)) });
                 a = b;
             }
+            self.carry(&mut bundle, &step, last, gate.is_some());
             if gate.is_some() {
                 let there = self.equation.through_gate(&self.in_world(&step.at(last)));
                 let Some(y) = there else {
-                    return self.end(
-                        Outcome::Absorbed,
-                        start,
-                        &step.at(last),
-                        self.chord(step.start(), step.end()),
-                    );
+                    let chord = self.chord(step.start(), step.end());
+                    return self.end(Outcome::Absorbed, start, &step.at(last), chord, None);
                 };
                 solver = Solver::new(&mut f, 0.0, self.in_units(&y), TOLERANCE);
                 continue;
             }
             let y = self.in_units(&self.equation.corrected(&self.in_world(step.end())));
             if let Some(outcome) = self.outcome(&y) {
-                return self.end(outcome, start, &y, self.chord(step.start(), &y));
+                return self.end(outcome, start, &y, self.chord(step.start(), &y), bundle);
             }
             if y != *step.end() {
                 solver.correct(&mut f, y);
@@ -152,11 +189,11 @@ impl<E: RayEquation> RegionUnits<'_, E> {
             if let Some(t) = self.meeting(&chord, chords) {
                 let t = f64::from(t.min(1.0));
                 let met = std::array::from_fn(|i| y[i] + t * (next[i] - y[i]));
-                return self.end(Outcome::Meets, start, &met, Ray { t_max: t as f32, ..chord });
+                return self.end(Outcome::Meets, start, &met, Ray { t_max: t as f32, ..chord }, None);
             }
             chords.passed(&Ray { t_max: 1.0, ..chord });
             if let Some(outcome) = self.outcome(&next) {
-                return self.end(outcome, start, &next, chord);
+                return self.end(outcome, start, &next, chord, None);
             }
             y = next;
         }
@@ -208,7 +245,18 @@ impl<E: RayEquation> RegionUnits<'_, E> {
         None
     }
 
-    fn end(&self, outcome: Outcome, start: &RayState, y: &RayState, chord: Ray) -> Followed {
+    fn end(
+        &self,
+        outcome: Outcome,
+        start: &RayState,
+        y: &RayState,
+        chord: Ray,
+        bundle: Option<RayBundle>,
+    ) -> Followed {
+        let end = |bundle: RayBundle| {
+            bundle.end(self.equation, y, |y| self.slope(y), |y| self.in_world(y), self.extent)
+        };
+        let bundle = bundle.map(end);
         let y = self.in_world(y);
         let index = self.equation.index(&y);
         let ratio = self.equation.index(start) / index;
@@ -222,6 +270,7 @@ impl<E: RayEquation> RegionUnits<'_, E> {
             eta_scale: ratio * ratio,
             g: self.equation.frequency_ratio(start, &y),
             normals: self.equation.normals(&y),
+            bundle,
         }
     }
 
@@ -236,6 +285,7 @@ impl<E: RayEquation> RegionUnits<'_, E> {
             eta_scale: 1.0,
             g: 1.0,
             normals: None,
+            bundle: None,
         }
     }
 }

@@ -15,11 +15,17 @@
 //!
 //! Nothing else is needed for another kind of space: a medium whose [`RayEquation`] is that of geodesics bends light by gravity, its
 //! frequency is shifted by [`RayEquation::frequency_ratio`], and what crosses a horizon has ended ([`RayEquation::ends`]).
+//!
+//! Where somebody asks what a pixel covers, two rays infinitely near go along ([`BundleEnd`]).
 
+#[cfg(test)]
+pub(crate) mod ball;
+mod bundle;
 mod follow;
 
 use kajo_math::{Aabb, DMat3, DVec3, Ray};
 
+pub use bundle::BundleEnd;
 #[cfg(test)]
 pub(crate) use follow::TOLERANCE;
 pub use follow::follow;
@@ -198,4 +204,6 @@ pub struct Followed {
     pub g: f64,
     /// [`RayEquation::normals`] at the end.
     pub normals: Option<DMat3>,
+    /// What has become of the rays beside it; `None` unless that was asked for, and where it is not known.
+    pub bundle: Option<BundleEnd>,
 }

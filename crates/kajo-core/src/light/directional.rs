@@ -16,6 +16,7 @@ use super::{
     BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
     LightLeSample, LightLiSample, LightPoint, Receiver, classic_factor,
 };
+use crate::differential::SkyFootprint;
 use crate::sky_disc::SkyDisc;
 
 /// Discs less high are taken for points: directions in single precision do not tell their parts apart.
@@ -139,7 +140,12 @@ impl Emitter for DirectionalLight {
     }
 
     #[inline]
-    fn radiance_at_infinity(&self, d: Vec3, wavelengths: &Wavelengths) -> Option<Spectrum> {
+    fn radiance_at_infinity(
+        &self,
+        d: Vec3,
+        _footprint: &SkyFootprint,
+        wavelengths: &Wavelengths,
+    ) -> Option<Spectrum> {
         let disc = self.disc().filter(|disc| disc.covers(d))?;
         Some(self.radiance(&disc, wavelengths))
     }

@@ -52,6 +52,7 @@ pub use visibility::{LightDraw, LightVisibility};
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
+use crate::differential::SkyFootprint;
 use crate::family::family;
 use crate::ids::{ObjectId, VariedEmissionId};
 
@@ -185,7 +186,14 @@ pub trait Emitter {
     }
 
     /// The radiance that a ray along the unit vector `d` finds when it leaves the scene; `None` where it misses the light.
-    fn radiance_at_infinity(&self, _d: Vec3, _wavelengths: &Wavelengths) -> Option<Spectrum> {
+    ///
+    /// * `footprint`: of the pixel, where what is smaller is to be seen as large as that
+    fn radiance_at_infinity(
+        &self,
+        _d: Vec3,
+        _footprint: &SkyFootprint,
+        _wavelengths: &Wavelengths,
+    ) -> Option<Spectrum> {
         None
     }
 
@@ -249,7 +257,7 @@ family! {
         /// See [`Emitter::is_seen_at_infinity`].
         fn is_seen_at_infinity() -> bool;
         /// See [`Emitter::radiance_at_infinity`].
-        fn radiance_at_infinity(d: Vec3, wavelengths: &Wavelengths) -> Option<Spectrum>;
+        fn radiance_at_infinity(d: Vec3, footprint: &SkyFootprint, wavelengths: &Wavelengths) -> Option<Spectrum>;
         /// See [`Emitter::power`].
         fn power(world: &BoundingSphere) -> f32;
         /// See [`Emitter::emission`].

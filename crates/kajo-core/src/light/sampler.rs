@@ -10,6 +10,7 @@ use super::{
     AreaLight, Emitter, LightDraw, LightHit, LightId, LightSelection, LightTree, LightVisibility, Lights,
     Receiver, SampledLight,
 };
+use crate::differential::SkyFootprint;
 use crate::ids::{LightGroup, LightIndex, ObjectId};
 
 /// The lights of a scene, in one list: those of the file, then the patches of emissive objects, then the background.
@@ -265,10 +266,11 @@ impl LightSampler {
         &'a self,
         lights: &'a Lights,
         d: Vec3,
+        footprint: &'a SkyFootprint,
         wavelengths: &'a Wavelengths,
     ) -> impl Iterator<Item = LightHit> {
         self.at_infinity.iter().filter_map(move |&light| {
-            let radiance = lights.radiance_at_infinity(self.id(light), d, wavelengths)?;
+            let radiance = lights.radiance_at_infinity(self.id(light), d, footprint, wavelengths)?;
             Some(LightHit { light, group: self.group(light), radiance })
         })
     }

@@ -22,6 +22,7 @@ use super::{
 };
 use crate::background::Background;
 use crate::daylight::Sun;
+use crate::differential::SkyFootprint;
 use crate::environment::SphereDensity;
 use crate::star_field::StarField;
 
@@ -206,8 +207,14 @@ impl Emitter for SkyLight {
     }
 
     #[inline]
-    fn radiance_at_infinity(&self, d: Vec3, wavelengths: &Wavelengths) -> Option<Spectrum> {
-        Some(self.background.radiance(d, wavelengths)).filter(|radiance| !radiance.is_black())
+    fn radiance_at_infinity(
+        &self,
+        d: Vec3,
+        footprint: &SkyFootprint,
+        wavelengths: &Wavelengths,
+    ) -> Option<Spectrum> {
+        Some(self.background.radiance_within(d, footprint, wavelengths))
+            .filter(|radiance| !radiance.is_black())
     }
 
     /// Estimated by an even grid of its own samples; of stars, which these may miss, it is known.

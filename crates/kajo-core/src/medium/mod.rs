@@ -14,6 +14,8 @@
 
 mod albedo_grid;
 mod black_hole;
+#[cfg(test)]
+mod bundle_tests;
 mod coefficients;
 mod fog;
 mod function;
@@ -52,6 +54,7 @@ use kajo_color::Wavelengths;
 use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::curved_light::{Chords, Followed, Region};
+use crate::differential::RayDifferential;
 use crate::family::{NO_MEMBER, family};
 use crate::texture::{AnyTexture, Textures};
 
@@ -109,10 +112,12 @@ pub trait Medium {
     /// Follows light through it, where light bends.
     ///
     /// * `ray`: starts inside; its direction has unit length
+    /// * `around`: how neighbouring rays differ from it, if they are to be followed too
     /// * `region`: the body that it fills
     fn follow<C: Chords>(
         &self,
         _ray: &Ray,
+        _around: Option<&RayDifferential>,
         _region: &Region,
         _wavelengths: &Wavelengths,
         _chords: &mut C,
@@ -167,6 +172,7 @@ family! {
         /// See [`Medium::follow`].
         fn follow<C: Chords>(
             ray: &Ray,
+            around: Option<&RayDifferential>,
             region: &Region,
             wavelengths: &Wavelengths,
             chords: &mut C,

@@ -14,6 +14,7 @@ use kajo_math::{Aabb, DMat3, DQuat, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorant, Majorants, Medium};
 use crate::curved_light::{Chords, Followed, RayEquation, RayState, Region, follow, momentum, position};
+use crate::differential::RayDifferential;
 use crate::texture::Textures;
 
 /// The space of both mouths of a wormhole.
@@ -212,13 +213,14 @@ impl Medium for WormholeMedium {
     fn follow<C: Chords>(
         &self,
         ray: &Ray,
+        around: Option<&RayDifferential>,
         region: &Region,
         _wavelengths: &Wavelengths,
         chords: &mut C,
     ) -> Option<Followed> {
         let holds = |center: &DVec3| region.bounds.contains(center.as_vec3());
         let rays = ThroatRays { medium: self, is_whole: self.centers.iter().all(holds) };
-        Some(follow(&rays, ray, region, chords))
+        Some(follow(&rays, ray, around, region, chords))
     }
 }
 
@@ -256,7 +258,7 @@ mod tests {
         for b in [0.0f64, 0.2, 0.4, -0.4, 0.8] {
             let o = Vec3::new(0.0, b as f32, (9.0 - b * b).sqrt() as f32);
             let ray = Ray::new(o, Vec3::NEG_Z);
-            let way = wormhole.follow(&ray, &region, &Wavelengths::RGB, &mut Empty).expect("it bends");
+            let way = wormhole.follow(&ray, None, &region, &Wavelengths::RGB, &mut Empty).expect("it bends");
             assert_eq!(way.outcome, Outcome::Leaves);
             let k = b.abs();
             let swept = 2.0 * k * (elliptic_f(1.0, k * k) - elliptic_f(1.0 / 3.0, k * k));

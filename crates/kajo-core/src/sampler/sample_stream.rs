@@ -55,6 +55,12 @@ impl<'a> SampleStream<'a> {
         SampleStream::with_count(sampler, Key::new(seed), pixel, sample, sampler.samples)
     }
 
+    /// How many samples each pixel is given.
+    #[inline]
+    pub fn samples_of_pixel(&self) -> u32 {
+        self.sampler.samples
+    }
+
     #[inline]
     fn with_count(
         sampler: &'a Sampler,

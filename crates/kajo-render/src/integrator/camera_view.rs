@@ -3,7 +3,7 @@
 
 use kajo_color::{RgbBasis, Spectrum, WavelengthChoice, Wavelengths, sensor};
 use kajo_core::camera::{Camera, Connection, Raster};
-use kajo_core::differential::RayDifferential;
+use kajo_core::differential::{RayDifferential, sample_side};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Immersion, Interaction, Scene};
@@ -149,10 +149,7 @@ impl<'a> CameraView<'a> {
         ray.map(|ray| ray.o)
     }
 
-    /// How the ray of [`CameraView::ray`] differs from those of neighbouring samples; `None` where no texture asks.
-    ///
-    /// Of `n` samples of a pixel each covers about a part `1/n` of it, so its sides are `1/sqrt(n)` of a pixel's; not less than an eighth,
-    /// beyond which filters would have nothing left to do [Pharr et al. 2023, 10.1].
+    /// How the ray of [`CameraView::ray`] differs from those of neighbouring samples, [`sample_side`] of a pixel apart; `None` where nothing asks.
     ///
     /// * `draws`: as for the ray
     /// * `samples`: of a pixel
@@ -163,10 +160,10 @@ impl<'a> CameraView<'a> {
         draws: SampleStream<'_>,
         samples: u32,
     ) -> Option<RayDifferential> {
-        if !self.scene.appearance.has_filters {
+        if !self.scene.wants_differentials() {
             return None;
         }
-        Some(self.differences(raster, draws, (1.0 / (samples.max(1) as f32).sqrt()).max(0.125)))
+        Some(self.differences(raster, draws, sample_side(samples)))
     }
 
     /// Differences of rays half a footprint to both sides, which are the ends of it.

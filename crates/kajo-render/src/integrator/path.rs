@@ -236,6 +236,8 @@ mod media_tests;
 #[cfg(test)]
 mod relativistic_tests;
 #[cfg(test)]
+mod star_tests;
+#[cfg(test)]
 mod subsurface_tests;
 #[cfg(test)]
 mod tests;

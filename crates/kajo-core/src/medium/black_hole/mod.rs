@@ -24,6 +24,7 @@ use kajo_math::{Aabb, DMat3, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorant, Majorants, Medium};
 use crate::curved_light::{Chords, Followed, Region, follow};
+use crate::differential::RayDifferential;
 use crate::texture::Textures;
 
 pub use geodesics::Geodesics;
@@ -298,10 +299,11 @@ impl Medium for BlackHole {
     fn follow<C: Chords>(
         &self,
         ray: &Ray,
+        around: Option<&RayDifferential>,
         region: &Region,
         _wavelengths: &Wavelengths,
         chords: &mut C,
     ) -> Option<Followed> {
-        Some(follow(&Geodesics::new(self, region), ray, region, chords))
+        Some(follow(&Geodesics::new(self, region), ray, around, region, chords))
     }
 }

@@ -26,7 +26,7 @@ fn check(found: f64, expected: f64, tolerance: f64) {
 
 fn followed(hole: &BlackHole, o: Vec3, d: Vec3, radius: f32) -> Followed {
     let ray = Ray::new(o, d.normalize());
-    hole.follow(&ray, &region(radius), &Wavelengths::RGB, &mut Empty).expect("light is bent")
+    hole.follow(&ray, None, &region(radius), &Wavelengths::RGB, &mut Empty).expect("light is bent")
 }
 
 /// The angle about an axis within which light looked along ends in the hole, in degrees.

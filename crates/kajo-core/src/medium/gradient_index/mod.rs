@@ -26,6 +26,7 @@ use super::{Coefficients, Majorants, Medium};
 use crate::curved_light::{
     Chords, Followed, RayEquation, RayState, Region, Stepping, follow, momentum, position,
 };
+use crate::differential::RayDifferential;
 use crate::texture::Textures;
 
 pub use dispersing::Dispersing;
@@ -162,10 +163,11 @@ impl Medium for GradientIndex {
     fn follow<C: Chords>(
         &self,
         ray: &Ray,
+        around: Option<&RayDifferential>,
         region: &Region,
         wavelengths: &Wavelengths,
         chords: &mut C,
     ) -> Option<Followed> {
-        Some(follow(&self.at(wavelengths), ray, region, chords))
+        Some(follow(&self.at(wavelengths), ray, around, region, chords))
     }
 }

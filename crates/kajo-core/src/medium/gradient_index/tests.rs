@@ -5,45 +5,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use kajo_math::fmath::{acos64, atan2_64, cos64, ln64, sin64, tan64};
 use kajo_math::ode::rk4_step;
 use kajo_math::rng::Stream;
-use kajo_math::{Aabb, DVec3, Ray, Vec3};
+use kajo_math::{DVec3, Ray, Vec3};
 
 use super::*;
+use crate::curved_light::ball::Ball;
 use crate::curved_light::{Outcome, position};
-
-/// A ball that light is inside of.
-struct Ball {
-    center: DVec3,
-    radius: f64,
-    passed: Vec<Ray>,
-}
-
-impl Ball {
-    fn new(center: DVec3, radius: f64) -> Ball {
-        Ball { center, radius, passed: Vec::new() }
-    }
-
-    fn region(&self) -> Region {
-        let (c, r) = (self.center.as_vec3(), Vec3::splat(self.radius as f32));
-        Region { bounds: Aabb { min: c - r, max: c + r } }
-    }
-}
-
-impl Chords for Ball {
-    fn hit(&mut self, chord: &Ray) -> Option<f32> {
-        let (o, d) = (chord.o.as_dvec3() - self.center, chord.d.as_dvec3());
-        let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - self.radius * self.radius);
-        let t = ((-b + (b * b - a * c).sqrt()) / a) as f32;
-        (t > chord.t_min && t < chord.t_max).then_some(t)
-    }
-
-    fn passed(&mut self, chord: &Ray) {
-        self.passed.push(*chord);
-    }
-}
 
 fn through(medium: &GradientIndex, ball: &mut Ball, o: DVec3, d: DVec3) -> Followed {
     let ray = Ray::new(o.as_vec3(), d.normalize().as_vec3());
-    follow(&medium.at(&Wavelengths::RGB), &ray, &ball.region(), ball)
+    follow(&medium.at(&Wavelengths::RGB), &ray, None, &ball.region(), ball)
 }
 
 /// Where a way has ended.

@@ -398,7 +398,9 @@ class Stars(PartBlock):
         pole: perpendicular to that band (x y z). Default: 0.5 1 0.25.
         catalog: a table in their place: right ascension, declination, magnitude, temperature
             (file). Default: none.
-        radius: how large each is seen (degrees from 0.0001 to 5). Default: 0.04.
+        radius: how large each is (degrees from 0.0001 to 5). Default: 0.04.
+        pixel_radius: no star is seen smaller than that; 0 for stars of their own size (number
+            from 0 to 8, pixels). Default: 1.5.
         scale: makes them brighter; 1 for lux (number ≥ 0). Default: 1.
     """
 
@@ -413,6 +415,7 @@ class Stars(PartBlock):
         pole: Vector | None = None,
         catalog: File | None = None,
         radius: Number | None = None,
+        pixel_radius: Number | None = None,
         scale: Number | None = None,
     ) -> None:
         super().__init__(*children, name=name)
@@ -423,6 +426,7 @@ class Stars(PartBlock):
         self.pole = pole
         self.catalog = catalog
         self.radius = radius
+        self.pixel_radius = pixel_radius
         self.scale = scale
 
 

@@ -16,6 +16,7 @@
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
+use kajo_core::differential::SkyFootprint;
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{EmissionPdf, LightLiSample, LightPoint, Receiver, SampledLight};
 use kajo_core::sampler::SampleStream;
@@ -154,7 +155,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     ) {
         let scene = self.scene();
         let PathState { ray, wavelengths, .. } = &path.state;
-        for hit in scene.lights_at_infinity(d, wavelengths) {
+        for hit in scene.lights_at_infinity(d, &SkyFootprint::POINT, wavelengths) {
             let seen = || {
                 let end = LightPoint::Infinite { through: camera_ray.o };
                 self.mis_weight_of_seen(path, camera_ray, hit.light, &end)

@@ -31,7 +31,7 @@ use kajo_core::settings::{Directions, Technique};
 use kajo_core::{LightGroup, LightIndex};
 use kajo_math::lorentz::SpacetimeEvent;
 use kajo_math::robust::offset_origin;
-use kajo_math::{DVec3, Ray, Vec2, Vec3};
+use kajo_math::{DQuat, DVec3, Ray, Vec2, Vec3};
 
 use super::tracer::{CameraPath, Shaded, power_heuristic, receiver};
 use super::{PathSettings, directions, directions::Part};
@@ -40,7 +40,7 @@ use crate::integrator::camera_view::{CameraView, in_white_light};
 use crate::integrator::transport::steps::MOST_SURFACES;
 use crate::integrator::transport::{
     Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, TracedSegment, arrive, cross_hidden,
-    pass_straight, radiance_factor, shade,
+    pass_straight, radiance_factor, shade, sky_footprint,
 };
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};
@@ -85,10 +85,12 @@ impl Integrator for RelativisticPath<'_> {
         observer: &mut O,
     ) -> PixelSample {
         let mut draws = ctx.draws;
+        let differential = self.view.differential(raster, draws, ctx.sampler.samples());
         let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
         let wavelengths = self.view.wavelengths(&mut draws);
         let media = self.view.media_around(&ray, &wavelengths);
-        let state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
+        let mut state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
+        state.differential = differential;
         observer.counters().camera += 1;
         let pivot = self.pivot.or_else(|| self.view.pivot(ray.time)).unwrap_or(ray.o);
         let seen = self.all.observed(&ray, pivot);
@@ -156,7 +158,14 @@ impl FramePath<'_> {
     fn change_frame(&mut self, own: &LightRay) {
         let doppler = 1.0 / own.ray.d.length();
         let state = &mut self.path.state;
-        state.ray = Ray { d: own.ray.d * doppler, ..own.ray };
+        let d = own.ray.d * doppler;
+        if let Some(differential) = &mut state.differential {
+            // Aberration keeps angles between directions that are near each other, and solid angles are `D^2` times as large.
+            let turn = DQuat::from_rotation_arc(state.ray.d.as_dvec3(), d.as_dvec3());
+            let seen = |dd: Vec3| doppler * (turn * dd.as_dvec3()).as_vec3();
+            differential.dd = differential.dd.map(seen);
+        }
+        state.ray = Ray { d, ..own.ray };
         (self.frame, self.t) = (own.frame, own.t);
         state.shift_frequency(doppler);
         self.since_vertex *= doppler;
@@ -334,6 +343,8 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         path.vertex = Vertex { frame: path.frame, t: path.t };
         path.since_vertex = 1.0;
         path.way = 0.0;
+        // What a pixel covers of the sky is known to camera rays alone: surfaces were met in frames of their own.
+        path.path.state.differential = None;
         path.path.go_on(scene, settings, shaded, Part::All, self.observer)
     }
 
@@ -467,9 +478,10 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
     /// Light from infinitely far away, which rests in the world: `beta Le(d) w`.
     fn add_background(&mut self, path: &FramePath<'_>, d: Vec3) {
         let (scene, state) = (self.integrator.view.scene, &path.path.state);
+        let footprint = sky_footprint(state);
         let through = path.receiver_in(self.integrator.all, FrameId::WORLD).p;
         let at = LightPoint::Infinite { through };
-        for hit in scene.lights_at_infinity(d, &state.wavelengths) {
+        for hit in scene.lights_at_infinity(d, &footprint, &state.wavelengths) {
             let weight = self.mis_weight(path, &hit, &at, d);
             self.add_hit(path, state.beta * hit.radiance * weight, hit.group);
         }

@@ -10,6 +10,7 @@ mod indirect;
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
+use kajo_core::differential::SkyFootprint;
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{LightHit, LightPoint, LightSelection, MAX_LIGHT_GROUPS, Receiver};
 use kajo_core::scene::{Interaction, Scene};
@@ -22,7 +23,7 @@ use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
     DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction,
     advance, choose_light, connect, connect_through_media, follow, follow_phase, leave, light_of_choice,
-    pass_straight, sample_light, shade, survives, survives_guided, survives_in_medium,
+    pass_straight, sample_light, shade, sky_footprint, survives, survives_guided, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
@@ -454,7 +455,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         let (scene, state) = (self.scene(), &path.state);
         let at = LightPoint::Infinite { through: path.receiver.p };
-        for hit in scene.lights_at_infinity(d, &state.wavelengths) {
+        let footprint = if C::WALKS { SkyFootprint::POINT } else { sky_footprint(state) };
+        for hit in scene.lights_at_infinity(d, &footprint, &state.wavelengths) {
             let weight = match C::WALKS && !state.connectable {
                 true => self.weight_behind_glass(path, &hit, &at, d),
                 false => self.mis_weight(path, &hit, &at, d),

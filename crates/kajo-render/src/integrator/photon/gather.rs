@@ -28,6 +28,7 @@ use std::f32::consts::PI;
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::Bsdf;
+use kajo_core::differential::SkyFootprint;
 use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
@@ -366,7 +367,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
 
     fn add_background(&mut self, state: &PathState<'_>, d: Vec3, from: Option<&From>) {
         let through = from.map_or(state.ray.o, |from| from.receiver.p);
-        for hit in self.scene().lights_at_infinity(d, &state.wavelengths) {
+        for hit in self.scene().lights_at_infinity(d, &SkyFootprint::POINT, &state.wavelengths) {
             let weight = self.weight(state, &hit, &LightPoint::Infinite { through }, d, from);
             self.add_hit(state, hit.radiance * weight);
         }

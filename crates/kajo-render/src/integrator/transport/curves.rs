@@ -8,7 +8,7 @@ use kajo_core::differential::SurfaceFootprint;
 use kajo_core::medium::MediumId;
 use kajo_core::scene::Scene;
 use kajo_core::space::Arrival;
-use kajo_math::Ray;
+use kajo_math::{Ray, Vec3};
 
 use super::arrival::{TracedSegment, arrive};
 use super::{PathState, SurfaceInteraction};
@@ -36,7 +36,7 @@ pub enum Curve {
 ///
 /// Where the path is a camera's first ray, it is seen as the camera moves.
 ///
-/// No connection finds what the path hits at the end, so it counts in full. What neighbouring samples cover there is not known.
+/// No connection finds what the path hits at the end, so it counts in full. Its differential is taken along, but by steps of a fixed length.
 /// Where the way depends on the wavelength only one is followed from here on.
 #[cold]
 #[inline(never)]
@@ -51,21 +51,22 @@ pub fn trace_curve(
     if scene.appearance.media.is_dispersive(medium) && !path.wavelengths.secondary_terminated() {
         path.end_secondary_wavelengths();
     }
-    let is_first = path.surfaces == 1 && path.mode == Transport::Radiance;
-    if is_first && let Some((d, ratio)) = scene.appearance.media.observed(medium, &path.ray) {
-        path.ray.d = d;
-        path.shift_frequency(ratio);
+    if path.surfaces == 1 && path.mode == Transport::Radiance {
+        observe(scene, path, medium);
     }
     let eta = path.media.eta();
     let weight = path.beta;
     let wavelengths = path.wavelengths;
     let about = || About { eta, weight: sensor::to_rgb(weight, &wavelengths), light: None };
     let chords = |chord: &Ray| observer.bent(scene, chord, about);
-    let way = scene.follow(&path.ray, medium, body, &path.wavelengths, &mut surface.at, chords);
-    let Some(Arrival { outcome, d, length, chord, eta, eta_scale, g }) = way else { return Curve::GoesOn };
+    let from = (&path.ray, path.differential.as_ref());
+    let way = scene.follow(from, medium, body, &path.wavelengths, &mut surface.at, chords);
+    let Some(way) = way else { return Curve::GoesOn };
+    let Arrival { outcome, d, length, chord, eta, eta_scale, g, differential } = way;
     path.connectable = false;
-    path.differential = None;
-    surface.at.footprint = SurfaceFootprint::default();
+    path.differential = differential;
+    surface.at.footprint =
+        differential.map_or(SurfaceFootprint::POINT, |around| SurfaceFootprint { dp: around.dp });
     if path.mode == Transport::Radiance {
         path.beta *= eta_scale;
         path.eta_scale *= 1.0 / eta_scale;
@@ -94,5 +95,34 @@ pub fn trace_curve(
             arrive(scene, path, surface, TracedSegment { wo: -d, length });
             Curve::Meets
         }
+    }
+}
+
+/// Makes the camera's first ray that of a camera which moves through the medium.
+fn observe(scene: &Scene, path: &mut PathState<'_>, medium: MediumId) {
+    let Some((d, ratio)) = scene.appearance.media.observed(medium, &path.ray) else { return };
+    if let Some(differential) = &mut path.differential {
+        let seen = |d: Vec3| scene.appearance.media.observed(medium, &Ray { d, ..path.ray });
+        differential.dd = differential.dd.map(|dd| observed_difference(seen, path.ray.d, dd));
+    }
+    path.ray.d = d;
+    path.shift_frequency(ratio);
+}
+
+/// How a small difference of directions is seen from a camera that moves; zero where there is none.
+///
+/// * `seen`: a unit direction and a ratio of frequencies for a unit direction
+fn observed_difference(seen: impl Fn(Vec3) -> Option<(Vec3, f32)>, d: Vec3, dd: Vec3) -> Vec3 {
+    /// Large against rounding, small against a radian.
+    const DIFFERENCE: f32 = 1e-2;
+    let size = dd.length();
+    if size == 0.0 {
+        return dd;
+    }
+    let e = DIFFERENCE / size;
+    let at = |e: f32| seen((d + e * dd).normalize()).map(|(d, _)| d);
+    match (at(e), at(-e)) {
+        (Some(there), Some(back)) => (there - back) / (2.0 * e),
+        _ => Vec3::ZERO,
     }
 }

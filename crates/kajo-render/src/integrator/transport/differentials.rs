@@ -1,7 +1,7 @@
 //! Differentials along a path; see [`kajo_core::differential`].
 
 use kajo_core::bsdf::BsdfSample;
-use kajo_core::differential::SurfaceFootprint;
+use kajo_core::differential::{SkyFootprint, SurfaceFootprint, sample_side};
 use kajo_core::scene::Scene;
 use kajo_math::Vec3;
 
@@ -15,6 +15,19 @@ pub fn arrive(path: &mut PathState<'_>, surface: &mut SurfaceInteraction) {
     let at = &mut surface.at;
     *differential = differential.transferred(path.ray.d, at.hit.t, at.point.ng).usable();
     at.footprint = SurfaceFootprint { dp: differential.dp };
+}
+
+/// What the pixel of a path covers of all that is infinitely far away, for a path that no other way of finding its light competes with: that of
+/// a camera, or of mirrors and glass.
+#[inline]
+pub fn sky_footprint(path: &PathState<'_>) -> SkyFootprint {
+    match &path.differential {
+        Some(differential) if !path.connectable => {
+            let across = 1.0 / sample_side(path.draws.samples_of_pixel());
+            SkyFootprint { dd: differential.dd.map(|dd| across * dd) }
+        }
+        _ => SkyFootprint::POINT,
+    }
 }
 
 /// Takes the differential from a surface along a direction that was sampled there.

@@ -47,7 +47,7 @@ pub mod steps;
 
 pub use arrival::{TracedSegment, arrive};
 pub use collisions::{MediumInteraction, Passage};
-pub use differentials::leave;
+pub use differentials::{leave, sky_footprint};
 pub use frequency::radiance_factor;
 pub use lane_mis::{LaneMis, all_lanes};
 pub use local_frame::LocalFrame;
