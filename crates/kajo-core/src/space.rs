@@ -15,7 +15,7 @@
 use kajo_color::Wavelengths;
 use kajo_math::{Aabb, Ray, Vec3};
 
-use crate::curved_light::{Chords, Followed, Outcome, Region};
+use crate::curved_light::{Chords, ConservedQuantity, Followed, Outcome, Region};
 use crate::differential::RayDifferential;
 use crate::ids::ObjectId;
 use crate::medium::MediumId;
@@ -47,6 +47,8 @@ pub struct Arrival {
     pub eta_scale: f32,
     /// Frequency where the way begins over that where it ends.
     pub g: f32,
+    /// What should be the same where it began and where it arrives.
+    pub conserved: [Option<ConservedQuantity>; 3],
     /// How it differs there from the rays beside it; `None` unless that was asked for, and where it is not known.
     pub differential: Option<RayDifferential>,
 }
@@ -92,7 +94,7 @@ impl Scene {
         let mut chords = SceneChords { scene: self, at, passed };
         let followed =
             self.appearance.media.follow(medium, ray, around, &region, wavelengths, &mut chords)?;
-        let Followed { outcome, chord, length, index, eta_scale, g, bundle, .. } = followed;
+        let Followed { outcome, chord, length, index, eta_scale, g, bundle, conserved, .. } = followed;
         let differential = bundle.map(|bundle| match outcome {
             Outcome::Meets => bundle.on_plane(at.point.ng.as_dvec3()),
             _ => bundle.here(),
@@ -110,7 +112,7 @@ impl Scene {
             }
         }
         let [eta, eta_scale, g] = [index, eta_scale, g].map(|v| v as f32);
-        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, differential })
+        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, conserved, differential })
     }
 
     /// A box around a body; around the whole scene where that has no bounds.

@@ -8,6 +8,7 @@
 //! ```
 
 use kajo_core::LightIndex;
+use kajo_core::curved_light::ConservedQuantity;
 use kajo_core::light::{LightId, Receiver};
 use kajo_core::scene::{Interaction, RayEvent, Scene};
 use kajo_math::{Ray, Vec3};
@@ -105,6 +106,8 @@ pub struct Segment {
     /// What it adds to the sample itself, beside what the segments after it do: light of the surface or the
     /// background at its end, of the light that a shadow ray reaches, of fog along it. Linear RGB.
     pub contribution: [f32; 3],
+    /// What should be the same where the curve began whose last chord this is, and at its end; nothing for straight rays.
+    pub conserved: [Option<ConservedQuantity>; 3],
 }
 
 /// An observer of the rays of a sample.
@@ -136,6 +139,9 @@ pub(crate) trait PathObserver: Default {
 
     /// Records one chord of a curved ray, which goes on behind it.
     fn bent(&mut self, _scene: &Scene, _chord: &Ray, _about: impl FnOnce() -> About) {}
+
+    /// The chord that is recorded next is the last one of a curve along which these are kept.
+    fn keeps(&mut self, _conserved: impl FnOnce() -> [Option<ConservedQuantity>; 3]) {}
 
     /// The current ray finds light.
     fn found(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
@@ -231,6 +237,8 @@ pub struct Trail {
     position: TreePosition,
     noted: Vec<TreePosition>,
     next: Option<RayKind>,
+    /// Of the next segment.
+    conserved: [Option<ConservedQuantity>; 3],
 }
 
 /// A position in the tree of rays.
@@ -286,6 +294,7 @@ impl Trail {
             eta: about.eta,
             weight: product(factor, about.weight),
             contribution: [0.0; 3],
+            conserved: std::mem::take(&mut self.conserved),
         };
         if self.segments.len() == MOST_SEGMENTS {
             self.left_out += 1;
@@ -327,6 +336,10 @@ impl PathObserver for Trail {
         }
         let kind = *self.next.get_or_insert(RayKind::Camera);
         self.position.segment = self.push(kind, scene, piece, None, about()).or(self.position.segment);
+    }
+
+    fn keeps(&mut self, conserved: impl FnOnce() -> [Option<ConservedQuantity>; 3]) {
+        self.conserved = conserved();
     }
 
     fn found(&mut self, light: impl FnOnce() -> [f32; 3]) {

@@ -20,6 +20,7 @@ use kajo_render::{
 };
 
 use crate::{CameraPose, RenderSettings, Resources};
+pub use kajo_core::curved_light::ConservedQuantity;
 pub use kajo_render::SetupError;
 pub use kajo_render::trail::{LightSource, RayKind, Segment, TrailHit};
 pub use prober::{ProbeSubject, Prober};

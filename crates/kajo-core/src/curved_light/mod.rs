@@ -124,10 +124,26 @@ pub trait RayEquation {
         None
     }
 
+    /// What of a state stays the same along a curve, by name; nothing where no such quantity is known.
+    fn conserved(&self, _y: &RayState) -> [Option<(&'static str, f64)>; 3] {
+        [None; 3]
+    }
+
     /// How steps are taken.
     fn stepping(&self) -> Stepping {
         Stepping::default()
     }
+}
+
+/// A quantity that stays the same along a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConservedQuantity {
+    /// What it is.
+    pub name: &'static str,
+    /// Where the way begins.
+    pub start: f64,
+    /// Where it ends: the same but for the errors of all steps.
+    pub end: f64,
 }
 
 /// How steps along a curve are taken.
@@ -204,6 +220,8 @@ pub struct Followed {
     pub g: f64,
     /// [`RayEquation::normals`] at the end.
     pub normals: Option<DMat3>,
+    /// [`RayEquation::conserved`] at both ends.
+    pub conserved: [Option<ConservedQuantity>; 3],
     /// What has become of the rays beside it; `None` unless that was asked for, and where it is not known.
     pub bundle: Option<BundleEnd>,
 }

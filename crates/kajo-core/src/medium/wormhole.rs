@@ -160,6 +160,11 @@ impl RayEquation for ThroatRays<'_> {
         [y[0], y[1], y[2], p.x, p.y, p.z, y[6], y[7]]
     }
 
+    fn conserved(&self, y: &RayState) -> [Option<(&'static str, f64)>; 3] {
+        let (_, x) = self.local(position(y));
+        [Some(("angular momentum", x.cross(momentum(y)).length())), None, None]
+    }
+
     fn has_gate(&self) -> bool {
         true
     }

@@ -1,7 +1,7 @@
 //! The segments of the debug ray as a table.
 
 use egui::{Align2, Color32, DragValue, FontId, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2};
-use kajo::probe::Segment;
+use kajo::probe::{ConservedQuantity, Segment};
 
 use super::theme;
 use crate::state::{Action, Rays, Studio, ray_color, ray_kind, ray_legend};
@@ -9,7 +9,7 @@ use crate::state::{Action, Rays, Studio, ray_color, ray_kind, ray_legend};
 const ROW: f32 = 18.0;
 
 /// Names and widths of the columns, in points.
-const COLUMNS: [(&str, f32); 9] = [
+const COLUMNS: [(&str, f32); 10] = [
     ("Ray", 130.0),
     ("Hit", 210.0),
     ("Material", 110.0),
@@ -19,6 +19,7 @@ const COLUMNS: [(&str, f32); 9] = [
     ("Index", 50.0),
     ("Weight", 150.0),
     ("Contribution", 150.0),
+    ("Conserved", 520.0),
 ];
 
 /// The whole panel; what it asks for goes into `actions`.
@@ -148,7 +149,18 @@ fn cell(ui: &Ui, at: egui::Pos2, text: &str, width: f32, color: Color32) {
     painter.text(at + vec2(4.0, 0.0), Align2::LEFT_CENTER, text, FontId::monospace(11.5), color);
 }
 
-fn cells(studio: &Studio, segment: &Segment) -> [String; 9] {
+/// What was to stay the same along a curve, and by how much of itself it did not.
+fn conserved(segment: &Segment) -> String {
+    let quantities = segment.conserved.iter().flatten();
+    let one = |quantity: &ConservedQuantity| {
+        let ConservedQuantity { name, start, end } = *quantity;
+        let off = (end - start).abs() / start.abs().max(f64::MIN_POSITIVE);
+        format!("{name} {end:.6} (off by {off:.0e})")
+    };
+    quantities.map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn cells(studio: &Studio, segment: &Segment) -> [String; 10] {
     let triple = |[x, y, z]: [f32; 3]| format!("{x:.3} {y:.3} {z:.3}");
     let (object, material) = studio.names_of(segment);
     let hit = segment.hit;
@@ -162,5 +174,6 @@ fn cells(studio: &Studio, segment: &Segment) -> [String; 9] {
         format!("{:.3}", segment.eta),
         triple(segment.weight),
         triple(segment.contribution),
+        conserved(segment),
     ]
 }

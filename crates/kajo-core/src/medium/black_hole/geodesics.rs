@@ -1,6 +1,6 @@
 //! Light around a black hole, as it is followed through a body.
 
-use kajo_math::gravity::{KerrMetric, Observer};
+use kajo_math::gravity::{Conserved, KerrMetric, Observer};
 use kajo_math::{DMat3, DVec3};
 
 use super::{BlackHole, Sense, resting};
@@ -117,6 +117,14 @@ impl RayEquation for Geodesics<'_> {
 
     fn largest_sag(&self, y: &RayState) -> f64 {
         SAG_BY_RADIUS * self.space.point_in_hole(position(y)).length()
+    }
+
+    /// [Carter 1968]
+    fn conserved(&self, y: &RayState) -> [Option<(&'static str, f64)>; 3] {
+        let (x, metric, p) = self.parts(y);
+        let energy = metric.energy(p, self.follows_future());
+        let Conserved { energy, momentum, carter } = self.space.chart.conserved(x, p, energy);
+        [Some(("energy", energy)), Some(("angular momentum", momentum)), Some(("Carter's constant", carter))]
     }
 
     fn frequency_ratio(&self, from: &RayState, to: &RayState) -> f64 {

@@ -121,6 +121,21 @@ impl RayEquation for IndexField<'_> {
         self.squared(position(y)).0.sqrt()
     }
 
+    fn conserved(&self, y: &RayState) -> [Option<(&'static str, f64)>; 3] {
+        let (p, m) = (position(y), momentum(y));
+        let length = Some(("momentum over index", m.length() / self.index(y)));
+        // Whatever is added to a profile breaks its symmetry.
+        let symmetric = self.medium.turbulence.is_none();
+        let own = match &self.medium.profile {
+            Profile::Luneburg { center, .. } | Profile::FishEye { center, .. } => {
+                Some(("angular momentum", (p - *center).cross(m).length()))
+            }
+            Profile::Rod { axis, .. } => Some(("momentum along the axis", m.dot(*axis))),
+            _ => None,
+        };
+        [length, own.filter(|_| symmetric), None]
+    }
+
     fn stepping(&self) -> Stepping {
         self.medium.stepping
     }

@@ -153,6 +153,35 @@ fn a_debug_ray_is_a_polyline_in_a_body_that_bends_it() {
     assert!(segments.iter().all(|segment| segment.weight.iter().all(|w| (w - 1.0).abs() < 1e-4)));
 }
 
+/// The last chord of a curve says what was kept along it: what the symmetry of the medium keeps, and by Euler's steps not so well.
+#[test]
+fn a_debug_ray_tells_what_a_curve_keeps() {
+    let hole = "PerspectiveCamera { center 0 2 30  direction 0.25 0.05 -1  up 0 1 0  angle 0.1 } Background { color 1 1 1 }";
+    let space = "MaterialIndex i Sphere { center 0 0 0 radius 60 }";
+    let ball = camera([0.0, 0.5, 4.0], [0.0, 0.5, 0.0]);
+    let kerr = ["energy", "angular momentum", "Carter's constant"];
+    let luneburg = ["momentum over index", "angular momentum"];
+    for (view, medium, objects, names, drift) in [
+        (hole, "BlackHole m { mass 1  spin 0.8 }", space, &kerr[..], 0.0..1e-8),
+        (&*ball, "LuneburgLens m { }", BALL, &luneburg[..], 0.0..1e-8),
+        (&*ball, "LuneburgLens m { integrator euler  steps 40 }", BALL, &luneburg[..], 1e-4..1.0),
+    ] {
+        let scene = filled(view, medium, objects);
+        let path = Path::new(&scene, settings(3), [1, 1], LayerSet::of(&[]));
+        let sampler = Sampler::new(SamplerKind::Uniform, 1);
+        let mut ctx = SampleContext::new(&sampler, 0);
+        let place = ctx.begin([0, 0], 0);
+        let mut trail = Trail::default();
+        path.observe(&mut ctx, [0, 0], place, &mut trail);
+        let told = trail.segments().iter().filter(|segment| segment.conserved.iter().any(Option::is_some));
+        let [curve] = told.collect::<Vec<_>>()[..] else { panic!("{medium}: not one curve") };
+        let kept: Vec<_> = curve.conserved.iter().flatten().collect();
+        assert!(kept.iter().map(|quantity| quantity.name).eq(names.iter().copied()), "{medium}: {kept:?}");
+        let off = kept.iter().map(|q| (q.end - q.start).abs() / q.start.abs().max(1e-3)).fold(0.0, f64::max);
+        assert!(drift.contains(&off), "{medium}: {kept:?}");
+    }
+}
+
 /// Nothing that comes to a position without an index is a hang or no number.
 #[test]
 fn places_without_an_index_are_black_and_counted() {
