@@ -15,7 +15,7 @@
 use kajo_color::Wavelengths;
 use kajo_math::{Aabb, Ray, Vec3};
 
-use crate::curved_light::{Chords, ConservedQuantity, Followed, Outcome, Region};
+use crate::curved_light::{Chords, ConservedQuantity, Followed, Outcome, RayState, Region};
 use crate::differential::RayDifferential;
 use crate::ids::ObjectId;
 use crate::medium::MediumId;
@@ -47,8 +47,8 @@ pub struct Arrival {
     pub eta_scale: f32,
     /// Frequency where the way begins over that where it ends.
     pub g: f32,
-    /// What should be the same where it began and where it arrives.
-    pub conserved: [Option<ConservedQuantity>; 3],
+    /// The states where it began and where it arrives, for [`Scene::conserved`].
+    pub ends: [RayState; 2],
     /// How it differs there from the rays beside it; `None` unless that was asked for, and where it is not known.
     pub differential: Option<RayDifferential>,
 }
@@ -94,7 +94,7 @@ impl Scene {
         let mut chords = SceneChords { scene: self, at, passed };
         let followed =
             self.appearance.media.follow(medium, ray, around, &region, wavelengths, &mut chords)?;
-        let Followed { outcome, chord, length, index, eta_scale, g, bundle, conserved, .. } = followed;
+        let Followed { outcome, chord, length, index, eta_scale, g, bundle, ends, .. } = followed;
         let differential = bundle.map(|bundle| match outcome {
             Outcome::Meets => bundle.on_plane(at.point.ng.as_dvec3()),
             _ => bundle.here(),
@@ -112,7 +112,22 @@ impl Scene {
             }
         }
         let [eta, eta_scale, g] = [index, eta_scale, g].map(|v| v as f32);
-        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, conserved, differential })
+        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, ends, differential })
+    }
+
+    /// What should be the same at both ends of a way through a body that bends light.
+    ///
+    /// * `ends`: [`Arrival::ends`]
+    /// * the rest: as for [`Scene::follow`]
+    pub fn conserved(
+        &self,
+        ends: &[RayState; 2],
+        medium: MediumId,
+        body: ObjectId,
+        wavelengths: &Wavelengths,
+    ) -> [Option<ConservedQuantity>; 3] {
+        let region = Region { bounds: self.bounds_of(body) };
+        self.appearance.media.conserved(medium, ends, &region, wavelengths)
     }
 
     /// A box around a body; around the whole scene where that has no bounds.

@@ -24,7 +24,7 @@
 //!
 //! Scene: `Background { stars { count 9000  galaxy 0.5 } }`
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 use std::fmt;
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
@@ -333,17 +333,23 @@ impl StarField {
 
     /// Their radiance from the direction `d`, not necessarily of unit length.
     pub fn radiance(&self, d: Vec3, wavelengths: &Wavelengths) -> Spectrum {
-        let stars = self.seen(d.normalize_or_zero());
-        stars.fold(Spectrum::BLACK, |sum, (star, luminance)| {
-            sum + self.colors[usize::from(star.color)].at(wavelengths) * luminance
-        })
+        self.sum(self.seen(d.normalize_or_zero()), wavelengths)
     }
 
     /// The same as a pixel sees it, where stars are at least as large as [`StarField::at_least`] says.
     ///
     /// * `d`: unit vector
+    #[inline(never)]
     pub fn radiance_within(&self, d: Vec3, footprint: &SkyFootprint, wavelengths: &Wavelengths) -> Spectrum {
-        let stars = self.seen_within(d, footprint);
+        self.sum(self.seen_within(d, footprint), wavelengths)
+    }
+
+    /// Radiance of stars of which the luminance is known.
+    fn sum<'a>(
+        &self,
+        stars: impl Iterator<Item = (&'a PlacedStar, f32)>,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
         stars.fold(Spectrum::BLACK, |sum, (star, luminance)| {
             sum + self.colors[usize::from(star.color)].at(wavelengths) * luminance
         })
@@ -429,7 +435,7 @@ impl StarEllipse {
             axes: [cos * frame.s + sin * frame.t, cos * frame.t - sin * frame.s],
             lengths2,
             reach: lengths2[0].max(lengths2[1]).sqrt(),
-            peak: 3.0 / (0.5 * TAU * (lengths2[0] * lengths2[1]).sqrt()),
+            peak: 3.0 / (PI * (lengths2[0] * lengths2[1]).sqrt()),
         }
     }
 
@@ -586,7 +592,7 @@ mod tests {
         let near = Vec3::new(0.03, 1.0, 0.0).normalize();
         let field =
             field(&[star(Vec3::Y, 1.0), star(near, 0.0), star(Vec3::NEG_Y, 2.0), star(Vec3::X, 40.0)], 0.05);
-        let all = field.mean_luminance() * 4.0 * std::f32::consts::PI;
+        let all = field.mean_luminance() * 4.0 * PI;
         let mut south = 0.0;
         for (i, j) in (0..64).flat_map(|i| (0..64).map(move |j| (i, j))) {
             let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / 64.0;

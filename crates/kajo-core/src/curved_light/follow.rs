@@ -4,9 +4,7 @@ use kajo_math::ode::{Solver, Step, Tolerance, euler_step, rk4_step};
 use kajo_math::{DVec3, Ray};
 
 use super::bundle::RayBundle;
-use super::{
-    Chords, ConservedQuantity, Followed, Outcome, RayEquation, RayState, Region, SAG, Stepping, position,
-};
+use super::{Chords, Followed, Outcome, RayEquation, RayState, Region, SAG, Stepping, position};
 use crate::differential::RayDifferential;
 
 /// Errors of a step, in units of the body's extent for positions and of the momentum's own for that.
@@ -272,18 +270,9 @@ impl<E: RayEquation> RegionUnits<'_, E> {
             eta_scale: ratio * ratio,
             g: self.equation.frequency_ratio(start, &y),
             normals: self.equation.normals(&y),
-            conserved: self.conserved(start, &y),
+            ends: [*start, y],
             bundle,
         }
-    }
-
-    /// What should be the same at both ends of a way, in world space.
-    fn conserved(&self, start: &RayState, end: &RayState) -> [Option<ConservedQuantity>; 3] {
-        let [before, after] = [start, end].map(|y| self.equation.conserved(y));
-        std::array::from_fn(|i| {
-            let ((name, start), (_, end)) = (before[i]?, after[i]?);
-            Some(ConservedQuantity { name, start, end })
-        })
     }
 
     fn lost(&self, ray: &Ray) -> Followed {
@@ -297,7 +286,7 @@ impl<E: RayEquation> RegionUnits<'_, E> {
             eta_scale: 1.0,
             g: 1.0,
             normals: None,
-            conserved: [None; 3],
+            ends: [[0.0; 8]; 2],
             bundle: None,
         }
     }

@@ -146,6 +146,17 @@ pub struct ConservedQuantity {
     pub end: f64,
 }
 
+impl ConservedQuantity {
+    /// Those of an equation at both ends of a way.
+    pub fn of(equation: &impl RayEquation, [start, end]: &[RayState; 2]) -> [Option<ConservedQuantity>; 3] {
+        let [before, after] = [start, end].map(|y| equation.conserved(y));
+        std::array::from_fn(|i| {
+            let ((name, start), (_, end)) = (before[i]?, after[i]?);
+            Some(ConservedQuantity { name, start, end })
+        })
+    }
+}
+
 /// How steps along a curve are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Stepping {
@@ -220,8 +231,8 @@ pub struct Followed {
     pub g: f64,
     /// [`RayEquation::normals`] at the end.
     pub normals: Option<DMat3>,
-    /// [`RayEquation::conserved`] at both ends.
-    pub conserved: [Option<ConservedQuantity>; 3],
+    /// The states at both ends; nothing where light was lost.
+    pub ends: [RayState; 2],
     /// What has become of the rays beside it; `None` unless that was asked for, and where it is not known.
     pub bundle: Option<BundleEnd>,
 }

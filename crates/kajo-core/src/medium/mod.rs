@@ -53,7 +53,7 @@ pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 use kajo_color::Wavelengths;
 use kajo_math::{Aabb, Ray, Vec3};
 
-use crate::curved_light::{Chords, Followed, Region};
+use crate::curved_light::{Chords, ConservedQuantity, Followed, RayState, Region};
 use crate::differential::RayDifferential;
 use crate::family::{NO_MEMBER, family};
 use crate::texture::{AnyTexture, Textures};
@@ -124,6 +124,18 @@ pub trait Medium {
     ) -> Option<Followed> {
         None
     }
+
+    /// What should be the same at both ends of a way, where light bends.
+    ///
+    /// * `ends`: of [`Medium::follow`], for the same region and wavelengths
+    fn conserved(
+        &self,
+        _ends: &[RayState; 2],
+        _region: &Region,
+        _wavelengths: &Wavelengths,
+    ) -> [Option<ConservedQuantity>; 3] {
+        [None; 3]
+    }
 }
 
 family! {
@@ -177,6 +189,12 @@ family! {
             wavelengths: &Wavelengths,
             chords: &mut C,
         ) -> Option<Followed>;
+        /// See [`Medium::conserved`].
+        fn conserved(
+            ends: &[RayState; 2],
+            region: &Region,
+            wavelengths: &Wavelengths,
+        ) -> [Option<ConservedQuantity>; 3];
     }
 }
 

@@ -13,7 +13,9 @@ use kajo_math::gravity::{Profile, Wormhole};
 use kajo_math::{Aabb, DMat3, DQuat, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorant, Majorants, Medium};
-use crate::curved_light::{Chords, Followed, RayEquation, RayState, Region, follow, momentum, position};
+use crate::curved_light::{
+    Chords, ConservedQuantity, Followed, RayEquation, RayState, Region, follow, momentum, position,
+};
 use crate::differential::RayDifferential;
 use crate::texture::Textures;
 
@@ -97,6 +99,11 @@ impl WormholeMedium {
             turn: DQuat::from_mat3(&(after * before.transpose())).normalize(),
             coefficients: Coefficients::clear(),
         })
+    }
+
+    fn rays(&self, region: &Region) -> ThroatRays<'_> {
+        let holds = |center: &DVec3| region.bounds.contains(center.as_vec3());
+        ThroatRays { medium: self, is_whole: self.centers.iter().all(holds) }
     }
 
     /// The mouth that a world-space point is nearer to, and the point seen from its middle.
@@ -223,9 +230,16 @@ impl Medium for WormholeMedium {
         _wavelengths: &Wavelengths,
         chords: &mut C,
     ) -> Option<Followed> {
-        let holds = |center: &DVec3| region.bounds.contains(center.as_vec3());
-        let rays = ThroatRays { medium: self, is_whole: self.centers.iter().all(holds) };
-        Some(follow(&rays, ray, around, region, chords))
+        Some(follow(&self.rays(region), ray, around, region, chords))
+    }
+
+    fn conserved(
+        &self,
+        ends: &[RayState; 2],
+        region: &Region,
+        _wavelengths: &Wavelengths,
+    ) -> [Option<ConservedQuantity>; 3] {
+        ConservedQuantity::of(&self.rays(region), ends)
     }
 }
 

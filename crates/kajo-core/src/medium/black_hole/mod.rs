@@ -23,7 +23,7 @@ use kajo_math::gravity::{Kerr, Observer, seen_from_rest, thin_disk};
 use kajo_math::{Aabb, DMat3, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorant, Majorants, Medium};
-use crate::curved_light::{Chords, Followed, Region, follow};
+use crate::curved_light::{Chords, ConservedQuantity, Followed, RayState, Region, follow};
 use crate::differential::RayDifferential;
 use crate::texture::Textures;
 
@@ -305,5 +305,14 @@ impl Medium for BlackHole {
         chords: &mut C,
     ) -> Option<Followed> {
         Some(follow(&Geodesics::new(self, region), ray, around, region, chords))
+    }
+
+    fn conserved(
+        &self,
+        ends: &[RayState; 2],
+        region: &Region,
+        _wavelengths: &Wavelengths,
+    ) -> [Option<ConservedQuantity>; 3] {
+        ConservedQuantity::of(&Geodesics::new(self, region), ends)
     }
 }

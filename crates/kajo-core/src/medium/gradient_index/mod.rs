@@ -24,7 +24,7 @@ use kajo_math::{Aabb, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorants, Medium};
 use crate::curved_light::{
-    Chords, Followed, RayEquation, RayState, Region, Stepping, follow, momentum, position,
+    Chords, ConservedQuantity, Followed, RayEquation, RayState, Region, Stepping, follow, momentum, position,
 };
 use crate::differential::RayDifferential;
 use crate::texture::Textures;
@@ -184,5 +184,14 @@ impl Medium for GradientIndex {
         chords: &mut C,
     ) -> Option<Followed> {
         Some(follow(&self.at(wavelengths), ray, around, region, chords))
+    }
+
+    fn conserved(
+        &self,
+        ends: &[RayState; 2],
+        _region: &Region,
+        wavelengths: &Wavelengths,
+    ) -> [Option<ConservedQuantity>; 3] {
+        ConservedQuantity::of(&self.at(wavelengths), ends)
     }
 }

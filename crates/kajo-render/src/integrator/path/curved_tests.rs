@@ -131,16 +131,22 @@ fn all_ways_of_finding_light_agree_behind_a_luneburg_ball() {
     }
 }
 
-/// A debug ray is drawn along its curve: pieces that join, from the boundary on.
-#[test]
-fn a_debug_ray_is_a_polyline_in_a_body_that_bends_it() {
-    let scene = filled(&camera([0.0, 0.5, 4.0], [0.0, 0.5, 0.0]), "LuneburgLens m { }", BALL);
-    let path = Path::new(&scene, settings(3), [1, 1], LayerSet::of(&[]));
+/// All rays of one sample through the middle of the picture.
+fn debug_ray(scene: &Scene) -> Trail {
+    let path = Path::new(scene, settings(3), [1, 1], LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let mut ctx = SampleContext::new(&sampler, 0);
     let place = ctx.begin([0, 0], 0);
     let mut trail = Trail::default();
     path.observe(&mut ctx, [0, 0], place, &mut trail);
+    trail
+}
+
+/// A debug ray is drawn along its curve: pieces that join, from the boundary on.
+#[test]
+fn a_debug_ray_is_a_polyline_in_a_body_that_bends_it() {
+    let scene = filled(&camera([0.0, 0.5, 4.0], [0.0, 0.5, 0.0]), "LuneburgLens m { }", BALL);
+    let trail = debug_ray(&scene);
     let segments = trail.segments();
     assert!(segments.len() > 20, "{}", segments.len());
     for pair in segments.windows(2) {
@@ -167,12 +173,7 @@ fn a_debug_ray_tells_what_a_curve_keeps() {
         (&*ball, "LuneburgLens m { integrator euler  steps 40 }", BALL, &luneburg[..], 1e-4..1.0),
     ] {
         let scene = filled(view, medium, objects);
-        let path = Path::new(&scene, settings(3), [1, 1], LayerSet::of(&[]));
-        let sampler = Sampler::new(SamplerKind::Uniform, 1);
-        let mut ctx = SampleContext::new(&sampler, 0);
-        let place = ctx.begin([0, 0], 0);
-        let mut trail = Trail::default();
-        path.observe(&mut ctx, [0, 0], place, &mut trail);
+        let trail = debug_ray(&scene);
         let told = trail.segments().iter().filter(|segment| segment.conserved.iter().any(Option::is_some));
         let [curve] = told.collect::<Vec<_>>()[..] else { panic!("{medium}: not one curve") };
         let kept: Vec<_> = curve.conserved.iter().flatten().collect();

@@ -62,7 +62,7 @@ pub fn trace_curve(
     let from = (&path.ray, path.differential.as_ref());
     let way = scene.follow(from, medium, body, &path.wavelengths, &mut surface.at, chords);
     let Some(way) = way else { return Curve::GoesOn };
-    let Arrival { outcome, d, length, chord, eta, eta_scale, g, conserved, differential } = way;
+    let Arrival { outcome, d, length, chord, eta, eta_scale, g, ends, differential } = way;
     path.connectable = false;
     path.differential = differential;
     surface.at.footprint =
@@ -73,7 +73,7 @@ pub fn trace_curve(
     }
     path.media.set_eta(body, eta);
     path.shift_frequency(g);
-    observer.keeps(|| conserved);
+    observer.keeps(|| scene.conserved(&ends, medium, body, &wavelengths));
     match outcome {
         Outcome::Lost => {
             observer.counters().lost += 1;

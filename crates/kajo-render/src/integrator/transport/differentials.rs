@@ -1,7 +1,7 @@
 //! Differentials along a path; see [`kajo_core::differential`].
 
 use kajo_core::bsdf::BsdfSample;
-use kajo_core::differential::{SkyFootprint, SurfaceFootprint, sample_side};
+use kajo_core::differential::{RayDifferential, SkyFootprint, SurfaceFootprint, sample_side};
 use kajo_core::scene::Scene;
 use kajo_math::Vec3;
 
@@ -22,12 +22,16 @@ pub fn arrive(path: &mut PathState<'_>, surface: &mut SurfaceInteraction) {
 #[inline]
 pub fn sky_footprint(path: &PathState<'_>) -> SkyFootprint {
     match &path.differential {
-        Some(differential) if !path.connectable => {
-            let across = 1.0 / sample_side(path.draws.samples_of_pixel());
-            SkyFootprint { dd: differential.dd.map(|dd| across * dd) }
-        }
+        Some(differential) if !path.connectable => of_pixel(path, differential),
         _ => SkyFootprint::POINT,
     }
+}
+
+#[cold]
+#[inline(never)]
+fn of_pixel(path: &PathState<'_>, differential: &RayDifferential) -> SkyFootprint {
+    let across = 1.0 / sample_side(path.draws.samples_of_pixel());
+    SkyFootprint { dd: differential.dd.map(|dd| across * dd) }
 }
 
 /// Takes the differential from a surface along a direction that was sampled there.

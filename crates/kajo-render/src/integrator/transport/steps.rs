@@ -141,7 +141,7 @@ pub fn cross_hidden(
 }
 
 /// How the surface scatters.
-#[inline]
+#[inline(always)]
 pub fn shade<'s>(scene: &'s Scene, path: &PathState<'_>, surface: &SurfaceInteraction) -> Bsdf<'s> {
     let eta_outside = surface.interface.map_or_else(|| path.media.eta(), |interface| interface.eta_outside);
     scene.bsdf(&surface.at, &path.wavelengths, eta_outside, surface.u)
@@ -156,7 +156,7 @@ pub fn shade<'s>(scene: &'s Scene, path: &PathState<'_>, surface: &SurfaceIntera
 /// * `bsdf`: scattering there; of a pane that is not passed a mirror is left
 ///
 /// Takes a number at panes.
-#[inline]
+#[inline(always)]
 pub fn pass_straight(
     scene: &Scene,
     path: &mut PathState<'_>,
