@@ -23,8 +23,8 @@ impl Scene {
     /// * `u`: uniform in [0, 1), chooses among the parts of a mixture; any number where it is none
     #[inline]
     pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf<'_> {
-        let point = ShadingPoint { context: self.texture_context(at), wavelengths, eta_outside, u };
-        self.appearance.bsdf(at.material, &point)
+        let context = &self.texture_context(at);
+        self.appearance.bsdf(at.material, &ShadingPoint { context, wavelengths, eta_outside, u })
     }
 
     /// Whether [`Scene::bsdf`] chooses among parts there, so that it needs a number.
@@ -61,7 +61,7 @@ impl Scene {
     /// * `cos`: of the angle between light and normal
     #[inline]
     pub fn passage(&self, at: &Interaction, eta: f32, wavelengths: &Wavelengths, cos: f32) -> Spectrum {
-        let context = self.texture_context(at);
+        let context = &self.texture_context(at);
         let point = ShadingPoint { context, wavelengths, eta_outside: eta, u: 0.0 };
         self.appearance.passage(at.material, &point, cos)
     }
@@ -72,8 +72,8 @@ impl Scene {
     #[inline]
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
         if self.may_transmit(at.object) {
-            let point = ShadingPoint { context: self.texture_context(at), wavelengths, eta_outside: 1.0, u };
-            self.appearance.interior(at.material, &point)
+            let context = &self.texture_context(at);
+            self.appearance.interior(at.material, &ShadingPoint { context, wavelengths, eta_outside: 1.0, u })
         } else {
             None
         }

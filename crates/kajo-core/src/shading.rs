@@ -93,7 +93,7 @@ impl Scene {
         if !self.appearance.is_oriented(at.material) {
             return plain;
         }
-        let context = self.texture_context(at);
+        let context = &self.texture_context(at);
         let point = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
         let orientation = self.appearance.orientation(at.material, &point);
         if orientation == Orientation::default() {

@@ -48,7 +48,7 @@ fn a_texture_is_read_once_and_scaled() {
     assert!(appearance.has_filters && appearance.has_orientations && appearance.has_pictures);
     for (i, albedo) in [0.5, 0.25].into_iter().enumerate() {
         let (context, wavelengths) = (TextureContext::default(), &Wavelengths::RGB);
-        let at = ShadingPoint { context, wavelengths, eta_outside: 1.0, u: 0.5 };
+        let at = ShadingPoint { context: &context, wavelengths, eta_outside: 1.0, u: 0.5 };
         let bsdf = appearance.bsdf(appearance.list[i].0, &at);
         assert!(matches!(bsdf, Bsdf::Btf(_)));
         let found = bsdf.sample(Vec3::Z, Vec2::splat(0.4), 0.3, Transport::Radiance).unwrap().weight;

@@ -109,7 +109,7 @@ fn numbers_of_the_extension_become_layers() {
     let layers = |x: f32, y: f32, u: f32| {
         let met = at(&scene, x, y);
         let context = scene.texture_context(&met);
-        let point = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+        let point = ShadingPoint { context: &context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
         match scene.appearance.bsdf(met.material, &point) {
             Bsdf::Principled(layers) => Some(layers),
             _ => None,
@@ -141,7 +141,8 @@ fn bodies_of_blender_are_of_glass() {
         let met = at(scene, 0.5, -0.5);
         let base = |u| {
             let context = scene.texture_context(&met);
-            let point = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            let point =
+                ShadingPoint { context: &context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
             match scene.appearance.bsdf(met.material, &point) {
                 Bsdf::Principled(layers) => Some((layers.base, layers.eta)),
                 _ => None,

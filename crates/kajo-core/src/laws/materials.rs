@@ -62,7 +62,7 @@ impl Samples {
     }
 
     fn at<'a>(&self, wavelengths: &'a Wavelengths, u: f32) -> ShadingPoint<'a> {
-        ShadingPoint { context: PLACE, wavelengths, eta_outside: 1.0, u }
+        ShadingPoint { context: &PLACE, wavelengths, eta_outside: 1.0, u }
     }
 
     fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf<'_> {
@@ -315,7 +315,7 @@ fn wrappers_answer_as_what_they_wrap() {
         }
         let context = TextureContext { uv: Vec2::new(0.3, 0.6).into(), ..TextureContext::default() };
         for u in [0.1, 0.7] {
-            let at = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            let at = ShadingPoint { context: &context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
             let scattered = |id| {
                 let flags = [all.needs_uv(id), all.has_medium(id), all.bends_light(id)];
                 let passage = all.passage(id, &at, 0.7);

@@ -31,7 +31,7 @@ impl Blend {
         appearance: &Appearance,
         at: &ShadingPoint<'a>,
     ) -> Option<(MaterialId, ShadingPoint<'a>)> {
-        let t = self.amount.at(appearance.textures.evaluator(&at.context)).clamp(0.0, 1.0);
+        let t = self.amount.at(appearance.textures.evaluator(at.context)).clamp(0.0, 1.0);
         let [first, second] = self.materials;
         let (is_second, u) = warp::choose(at.u, t);
         Some((if is_second { second } else { first }, ShadingPoint { u, ..*at }))
@@ -86,7 +86,7 @@ impl Material for Blend {
     answers_of_part!(bsdf, interior, orientation);
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let t = self.amount.at(appearance.textures.evaluator(&at.context)).clamp(0.0, 1.0);
+        let t = self.amount.at(appearance.textures.evaluator(at.context)).clamp(0.0, 1.0);
         let [first, second] = self.materials.map(|m| appearance.passage(m, at, cos));
         first.lerp(second, t)
     }

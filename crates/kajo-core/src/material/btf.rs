@@ -56,7 +56,7 @@ impl BtfMaterial {
     fn texel(&self, at: &ShadingPoint<'_>) -> Texel {
         let BtfSettings { repeat, offset, is_filtered, .. } = self.settings;
         let mut chance = RemainingUniform(at.u);
-        let level = if is_filtered { self.level(&at.context, &mut chance) } else { 0 };
+        let level = if is_filtered { self.level(at.context, &mut chance) } else { 0 };
         let s = repeat * at.context.uv.first + offset;
         let [width, height] = self.btf.level_size(level);
         // Whole repetitions are dropped first, so that no digits are lost; the first row is on top.
@@ -163,7 +163,7 @@ mod tests {
         let n = 4096;
         let value = |i: u32| {
             let u = (i as f32 + 0.5) / n as f32;
-            let at = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            let at = ShadingPoint { context: &context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
             material.btf.value(material.texel(&at), wo, wi)[0]
         };
         (0..n).map(value).sum::<f32>() / n as f32

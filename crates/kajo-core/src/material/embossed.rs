@@ -158,7 +158,7 @@ impl Material for Embossed {
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let bsdf = appearance.bsdf(self.material, at);
-        let evaluator = appearance.textures.evaluator(&at.context);
+        let evaluator = appearance.textures.evaluator(at.context);
         let Some(filtered) = self.relief.filtered(evaluator) else { return bsdf };
         let steepness = self.relief.steepness(evaluator, &filtered);
         let (variances, _) = filtered.spread.principal();
@@ -170,7 +170,7 @@ impl Material for Embossed {
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         let own = appearance.orientation(self.material, at);
-        let evaluator = appearance.textures.evaluator(&at.context);
+        let evaluator = appearance.textures.evaluator(at.context);
         let filtered = self.relief.filtered(evaluator);
         let turn = own.turn.or(filtered.as_ref().map(|filtered| filtered.spread.principal().1));
         Orientation { lean: Some(self.relief.lean(evaluator, filtered.as_ref())), turn }

@@ -83,7 +83,7 @@ impl Glass {
     }
 
     fn pane(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
-        let evaluator = appearance.textures.evaluator(&at.context);
+        let evaluator = appearance.textures.evaluator(at.context);
         let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?.at(evaluator);
         let eta = self.eta(at.wavelengths) / at.eta_outside;
         let microfacets = self.facets(evaluator);
@@ -131,7 +131,7 @@ impl Material for Glass {
     }
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.settings.grain.orientation(appearance.textures.evaluator(&at.context))
+        self.settings.grain.orientation(appearance.textures.evaluator(at.context))
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -147,7 +147,7 @@ impl Material for Glass {
             return Bsdf::ThinDielectric(pane);
         }
         let eta = self.eta(at.wavelengths) / at.eta_outside;
-        let facets = self.facets(appearance.textures.evaluator(&at.context));
+        let facets = self.facets(appearance.textures.evaluator(at.context));
         Bsdf::Dielectric(Dielectric::new(eta, facets))
     }
 

@@ -59,7 +59,7 @@ impl Material for Matte {
     }
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
-        let evaluator = appearance.textures.evaluator(&at.context);
+        let evaluator = appearance.textures.evaluator(at.context);
         let reflectance = at.context.tinted(self.color.at(evaluator, at.wavelengths), at.wavelengths);
         let roughness = self.roughness.at(evaluator);
         if roughness == 0.0 {

@@ -56,7 +56,7 @@ impl Material for MeasuredMaterial {
     }
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        let evaluator = appearance.textures.evaluator(&at.context);
+        let evaluator = appearance.textures.evaluator(at.context);
         Orientation { turn: self.brdf.is_anisotropic().then(|| self.rotation.at(evaluator)), lean: None }
     }
 

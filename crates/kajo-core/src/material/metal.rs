@@ -99,7 +99,7 @@ impl Material for Metal {
     }
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.grain.orientation(appearance.textures.evaluator(&at.context))
+        self.grain.orientation(appearance.textures.evaluator(at.context))
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -107,7 +107,7 @@ impl Material for Metal {
     }
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
-        let evaluator = appearance.textures.evaluator(&at.context);
+        let evaluator = appearance.textures.evaluator(at.context);
         let fresnel = match &self.substance {
             Substance::Measured(metal) => {
                 let (eta, k) = metal.at(at.wavelengths);

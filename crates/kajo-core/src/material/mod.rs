@@ -45,7 +45,7 @@ use crate::texture::{AnyTexture, FloatTexture, TextureContext, Textures};
 #[derive(Clone, Copy, Debug)]
 pub struct ShadingPoint<'a> {
     /// Where textures are looked up.
-    pub context: TextureContext,
+    pub context: &'a TextureContext,
     /// Wavelengths of the lanes of spectra.
     pub wavelengths: &'a Wavelengths,
     /// Index of refraction outside, on the side of the normal, at the first wavelength.

@@ -42,7 +42,7 @@ impl Perforated {
         appearance: &Appearance,
         at: &ShadingPoint<'a>,
     ) -> Option<(MaterialId, ShadingPoint<'a>)> {
-        let opacity = self.opacity(appearance, &at.context);
+        let opacity = self.opacity(appearance, at.context);
         let (is_there, u) = warp::choose(at.u, opacity);
         is_there.then_some((self.material, ShadingPoint { u, ..*at }))
     }
@@ -97,7 +97,7 @@ impl Material for Perforated {
     }
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let opacity = self.opacity(appearance, &at.context);
+        let opacity = self.opacity(appearance, at.context);
         let between = appearance.passage(self.material, at, cos);
         Spectrum::WHITE * (1.0 - opacity) + between * opacity
     }

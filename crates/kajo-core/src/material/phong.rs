@@ -83,7 +83,7 @@ impl PhongMaterial {
         let [diffuse, specular, reflective, transparent] =
             self.colors.each_ref().map(|color| color.at(wavelengths));
         let plain = Phong { diffuse, specular, reflective, transparent, ..self.phong };
-        let phong = self.textured(plain, appearance.textures.evaluator(&at.context), wavelengths);
+        let phong = self.textured(plain, appearance.textures.evaluator(at.context), wavelengths);
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(phong.diffuse));
         }
@@ -172,7 +172,7 @@ impl Material for PhongMaterial {
 
     #[inline]
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
-        if self.varies_at(&at.context) {
+        if self.varies_at(at.context) {
             return self.varied(appearance, at);
         }
         if self.is_matt {

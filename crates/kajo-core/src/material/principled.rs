@@ -347,7 +347,7 @@ impl Material for LayeredMaterial {
     }
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.layers.grain.orientation(appearance.textures.evaluator(&at.context))
+        self.layers.grain.orientation(appearance.textures.evaluator(at.context))
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -364,7 +364,7 @@ impl Material for LayeredMaterial {
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let layers = &self.layers;
-        let (evaluator, wavelengths) = (appearance.textures.evaluator(&at.context), at.wavelengths);
+        let (evaluator, wavelengths) = (appearance.textures.evaluator(at.context), at.wavelengths);
         let metal = layers.metalness.at(evaluator);
         if let Some(body) = layers.subsurface.filter(|_| at.u >= metal) {
             let above = layers.above(Base::Diffuse, layers.eta.at(evaluator) / at.eta_outside, evaluator, at);
@@ -387,7 +387,7 @@ impl Material for LayeredMaterial {
     }
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let (layers, evaluator) = (&self.layers, appearance.textures.evaluator(&at.context));
+        let (layers, evaluator) = (&self.layers, appearance.textures.evaluator(at.context));
         let glass = (1.0 - layers.metalness.at(evaluator)) * layers.transmission.at(evaluator);
         if !layers.thin || glass == 0.0 {
             return Spectrum::BLACK;
@@ -413,7 +413,7 @@ impl Material for LayeredMaterial {
             });
         }
         (self.layers.transmit() && !thin).then(|| Interior {
-            eta: Some(self.layers.glass_eta(appearance.textures.evaluator(&at.context), at.wavelengths)),
+            eta: Some(self.layers.glass_eta(appearance.textures.evaluator(at.context), at.wavelengths)),
             is_dispersive: dispersion.as_ref().is_some_and(Dispersion::is_dispersive),
             absorption: self.absorption.at(at.wavelengths),
             priority,

@@ -55,8 +55,8 @@ fn a_tint_is_a_factor_of_the_base_colour() {
         near(a.reflective, b.reflective);
         for u in [0.1, 0.6] {
             let at = |context| ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-            let a = plain.bsdf(id, &at(tinted)).eval(wo, wi, Transport::Radiance);
-            let b = other.bsdf(own, &at(TextureContext::default()));
+            let a = plain.bsdf(id, &at(&tinted)).eval(wo, wi, Transport::Radiance);
+            let b = other.bsdf(own, &at(&TextureContext::default()));
             near(a, b.eval(wo, wi, Transport::Radiance));
         }
         let untinted = TextureContext { uv: Vec2::ONE.into(), ..TextureContext::default() };

@@ -29,7 +29,8 @@ impl Casters {
         for (i, primitive) in scene.geometry.primitives.iter().enumerate() {
             // As seen from far away, where reliefs are facets that make a surface rough.
             let context = TextureContext { footprint: FROM_FAR, ..TextureContext::default() };
-            let point = ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u: 0.5 };
+            let point =
+                ShadingPoint { context: &context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u: 0.5 };
             let Some(link) = Link::of(&scene.appearance.bsdf(primitive.material, &point)) else { continue };
             let object = ObjectId::from_index(i as u32);
             let bounds = scene.geometry.object_bounds(object);
