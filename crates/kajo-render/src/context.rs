@@ -134,6 +134,9 @@ pub struct Auxiliary {
     pub motion: [f32; 2],
     /// The share of each group of lights in the sample's radiance, linear RGB.
     pub lights: [[f32; 3]; MAX_LIGHT_GROUPS],
+    /// Rays of the sample that were given up in bodies that bend light: a whole number, those of paths from lights included. Counted where
+    /// samples are taken, for every integrator.
+    pub lost: f32,
 }
 
 /// Light for one position of the picture.

@@ -330,10 +330,14 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
                 if wants_auxiliary {
                     ctx.aux = Auxiliary::default();
                 }
+                let lost_before = ctx.rays.lost;
                 let sample = integrator.sample(ctx, [x, y], corner + offset);
                 if ctx.is_interrupted() {
                     go_on(untold, &ctx.rays);
                     return false;
+                }
+                if wants_auxiliary {
+                    ctx.aux.lost = (ctx.rays.lost - lost_before) as f32;
                 }
                 part.add(x, y, k, offset, &sample, &ctx.aux);
                 untold += 1;

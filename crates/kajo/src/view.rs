@@ -34,13 +34,15 @@ pub enum View {
     Motion,
     /// Estimated variance of the light.
     Variance,
+    /// How many rays were given up in bodies that bend light.
+    Lost,
     /// The light of each group of emitters.
     Lights,
 }
 
 impl View {
     /// All views.
-    pub const ALL: [View; 11] = [
+    pub const ALL: [View; 12] = [
         View::Color,
         View::Depth,
         View::Normals,
@@ -51,13 +53,14 @@ impl View {
         View::Albedo,
         View::Motion,
         View::Variance,
+        View::Lost,
         View::Lights,
     ];
 
     /// Their names, in the same order.
-    pub const NAMES: [&'static str; 11] = [
+    pub const NAMES: [&'static str; 12] = [
         "color", "depth", "normals", "uv", "object", "material", "samples", "albedo", "motion", "variance",
-        "lights",
+        "lost", "lights",
     ];
 
     /// The view of that name.
@@ -103,6 +106,7 @@ impl View {
             View::Albedo => Layer::Albedo,
             View::Motion => Layer::Motion,
             View::Variance => Layer::Variance,
+            View::Lost => Layer::LostRays,
             View::Lights => Layer::Light(0),
         }
     }
@@ -321,6 +325,7 @@ fn exr_layers(film: &Film, views: &[View], look: &Look<'_>) -> Result<Vec<ExrLay
             View::Variance => {
                 others.push(named("variance", planes(&develop(film, Layer::Variance)?, &["R", "G", "B"])));
             }
+            View::Lost => others.push(named("lost", planes(&develop(film, Layer::LostRays)?, &["count"]))),
             View::Lights => {
                 for (group, name) in (0..).zip(look.groups) {
                     let mut light = develop(film, Layer::Light(group))?;

@@ -36,14 +36,16 @@ pub enum Layer {
     /// Estimated variance of the mean of the pixel's own samples, `(Σv²/n - (Σv/n)²)/(n - 1)`, for each of
     /// red, green and blue; 0 where fewer than two samples were taken. Own.
     Variance,
+    /// Rays of a sample that were given up in bodies that bend light; see [`RayCounters::lost`](crate::RayCounters::lost). Filtered.
+    LostRays,
     /// Radiance from one group of lights, counted from 0 and below [`MAX_LIGHT_GROUPS`]. Filtered.
     Light(u8),
 }
 
 impl Layer {
     /// Every layer, in the order in which films store them.
-    pub const ALL: [Layer; 12 + MAX_LIGHT_GROUPS] = {
-        let mut all = [Layer::Light(0); 12 + MAX_LIGHT_GROUPS];
+    pub const ALL: [Layer; 13 + MAX_LIGHT_GROUPS] = {
+        let mut all = [Layer::Light(0); 13 + MAX_LIGHT_GROUPS];
         let named = [
             Layer::Color,
             Layer::DepthMap,
@@ -52,6 +54,7 @@ impl Layer {
             Layer::Uv,
             Layer::Albedo,
             Layer::Motion,
+            Layer::LostRays,
             Layer::Depth,
             Layer::ObjectId,
             Layer::MaterialId,
@@ -76,12 +79,13 @@ impl Layer {
             Layer::Uv => 4,
             Layer::Albedo => 5,
             Layer::Motion => 6,
-            Layer::Depth => 7,
-            Layer::ObjectId => 8,
-            Layer::MaterialId => 9,
-            Layer::SampleCount => 10,
-            Layer::Variance => 11,
-            Layer::Light(group) => 12 + group as u32,
+            Layer::LostRays => 7,
+            Layer::Depth => 8,
+            Layer::ObjectId => 9,
+            Layer::MaterialId => 10,
+            Layer::SampleCount => 11,
+            Layer::Variance => 12,
+            Layer::Light(group) => 13 + group as u32,
         }
     }
 
@@ -91,7 +95,7 @@ impl Layer {
             Layer::Color | Layer::NormalMap | Layer::Normal => 3,
             Layer::Albedo | Layer::Light(_) | Layer::Variance => 3,
             Layer::Uv | Layer::Motion => 2,
-            Layer::DepthMap | Layer::Depth => 1,
+            Layer::DepthMap | Layer::Depth | Layer::LostRays => 1,
             Layer::ObjectId | Layer::MaterialId | Layer::SampleCount => 1,
         }
     }
@@ -215,7 +219,7 @@ const FILTERED: LayerSet = AUXILIARY
 
 /// The layers whose values are in [`Auxiliary`](crate::Auxiliary).
 const AUXILIARY: LayerSet = {
-    let mut set = LayerSet::of(&[Layer::Albedo, Layer::Motion]);
+    let mut set = LayerSet::of(&[Layer::Albedo, Layer::Motion, Layer::LostRays]);
     let mut group = 0;
     while group < MAX_LIGHT_GROUPS {
         set = set.with(Layer::Light(group as u8));

@@ -7,7 +7,7 @@ use super::{FilmSpec, Layer};
 use crate::{Auxiliary, PixelSample};
 
 /// Most channels that the filtered layers can have together.
-pub(crate) const MAX_CHANNELS: usize = 17 + 3 * MAX_LIGHT_GROUPS;
+pub(crate) const MAX_CHANNELS: usize = 18 + 3 * MAX_LIGHT_GROUPS;
 
 /// The values of a sample for the filtered layers of a film, in their order, written into `values`.
 ///
@@ -39,6 +39,7 @@ pub(crate) fn filtered_values(
             Layer::Uv => put(&hit.map_or([0.0; 2], |hit| hit.uv.to_array())),
             Layer::Albedo => put(&aux.albedo),
             Layer::Motion => put(&aux.motion),
+            Layer::LostRays => put(&[aux.lost]),
             Layer::Light(group) => put(&aux.lights[usize::from(group)]),
             Layer::Depth | Layer::ObjectId | Layer::MaterialId => {}
             Layer::SampleCount | Layer::Variance => {}

@@ -1,6 +1,7 @@
 use super::*;
 use crate::{Defaults, LoadOptions, MemoryAssets, Silent, load_from};
-use kajo_core::settings::Settings;
+use kajo_core::sampler::SamplerKind;
+use kajo_core::settings::{IntegratorName, Settings};
 
 fn ball() -> Scene {
     let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }\n\
@@ -30,8 +31,8 @@ fn every_view_fits_every_format() {
             assert_eq!((image.width(), image.height()), (9, 7), "{view:?} as {format}");
             let background = if view == View::Depth && format == Format::Exr { f32::INFINITY } else { 0.0 };
             let differs = image.pixel(0, 0) != image.pixel(4, 3);
-            // Nothing moves, and the ball's middle and the background have no noise.
-            let is_even = matches!(view, View::Samples | View::Motion | View::Variance);
+            // Nothing moves or bends light, and the ball's middle and the background have no noise.
+            let is_even = matches!(view, View::Samples | View::Motion | View::Variance | View::Lost);
             assert!(differs || is_even, "{view:?} as {format} shows the ball");
             if matches!(view, View::Depth | View::Object | View::Material) && format != Format::Pfm {
                 assert_eq!(image.pixel(0, 0)[0], background, "{view:?} as {format}");
@@ -60,9 +61,42 @@ fn an_exr_file_holds_all_views() {
         ("albedo", "R"),
         ("motion", "Y"),
         ("variance", "B"),
+        ("lost", "count"),
         ("lights.other", "G"),
     ] {
         assert!(file.layer(Some(layer)).unwrap().channel(channel).is_some(), "{layer}.{channel}");
+    }
+}
+
+/// A body without an index of refraction to the right of its middle: the layer has as many lost rays there as were counted.
+#[test]
+fn a_layer_shows_where_rays_were_lost() {
+    let text = "OrthographicCamera { center 0.01 0 9 direction 0 0 -1 up 0 1 0 size 2 } Background { color 1 1 1 }\n\
+                Media { GradientIndex m { index = 1.5 - 3 * step(0, x) } } Materials { Interface i { medium m } }\n\
+                Group { MaterialIndex i  Sphere { center 0 0 0  radius 0.9 } }";
+    let loaded = load_from("ball.txt", &MemoryAssets::new().with("ball.txt", text), &LoadOptions::default());
+    let scene = loaded.scene.unwrap();
+    let outputs = [(View::Color, Format::Exr), (View::Lost, Format::Exr)];
+    for integrator in ["path", "bidirectional"] {
+        let asked = Settings {
+            size: Some([16, 16]),
+            samples: Some((SamplerKind::Sobol, 4)),
+            integrator: Some(IntegratorName(integrator)),
+            ..Settings::default()
+        };
+        let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
+        let picture = render(&RenderRequest::new(&scene, &settings, &outputs), &Silent).unwrap();
+        let lost = picture.film.develop(Layer::LostRays).unwrap();
+        let in_all = 4.0 * lost.data().iter().sum::<f32>();
+        let counted = picture.stats.rays.lost as f32;
+        assert!((in_all / counted - 1.0).abs() < 0.02, "{integrator}: {in_all} of {counted}");
+        // Paths from lights, too, come to nothing on the right, whatever pixel they are made for.
+        let from_lights = if integrator == "path" { 0.0..=0.0 } else { 0.0..=1.0 };
+        for y in 4..12 {
+            let [left, right] = [lost.pixel(5, y)[0], lost.pixel(11, y)[0]];
+            assert!(from_lights.contains(&left), "{integrator}: {left} where light goes through");
+            assert!(from_lights.contains(&(right - 1.0)), "{integrator}: {right} where it does not");
+        }
     }
 }
 
