@@ -162,7 +162,7 @@ impl HeightGrid {
     }
 
     /// Heights at the corners of a cell: at its least x and z, then x first.
-    #[inline]
+    #[inline(always)]
     fn corners(&self, [column, row]: [u32; 2]) -> [f32; 4] {
         let first = row as usize * self.columns as usize + column as usize;
         let (near, far) = (&self.heights[first..], &self.heights[first + self.columns as usize..]);

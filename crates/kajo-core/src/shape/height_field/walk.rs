@@ -9,6 +9,9 @@ use crate::shape::Ray64;
 /// from above it is above the surface, whatever rounding says.
 const MARGIN: f64 = 1e-3;
 
+/// Levels of large blocks in which a ray does not begin: there it would hardly pass over or under one.
+const SKIPPED: u32 = 3;
+
 /// Where a ray is in the box of a height field, and through which face it comes and goes; `None` where it begins or ends within.
 struct Span {
     lo: f64,
@@ -41,10 +44,11 @@ struct CellWalk<'a, V> {
 }
 
 /// The lines of the grid across an axis, as a ray meets them.
+#[derive(Clone, Copy)]
 struct Lines {
     /// Where the ray begins.
     o: f64,
-    /// One over its direction; infinite for a ray along them.
+    /// One over its direction; of a ray along them larger than whatever it is multiplied by.
     inverse: f64,
     /// Whether it goes backwards.
     is_back: bool,
@@ -53,25 +57,49 @@ struct Lines {
 }
 
 impl Lines {
-    /// Where the ray is on a line. One along it, or of a grid that has no cells behind it, has it all after or before it.
-    #[inline(always)]
-    fn crossing(&self, line: u32) -> f64 {
-        if line >= self.count {
-            return if self.is_back { f64::NEG_INFINITY } else { f64::INFINITY };
-        }
-        let off = f64::from(line) - self.o;
-        if self.inverse.is_infinite() {
-            return if off > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
-        }
-        off * self.inverse
+    /// * `o`, `inverse`: the ray's origin and one over its direction, in cells
+    fn new(o: f64, inverse: f64, count: u32) -> Lines {
+        /// A ray along the lines is on all of them before it begins, or after it ends.
+        const NEVER: f64 = 1e300;
+        let inverse = if inverse.is_finite() { inverse } else { NEVER };
+        Lines { o, inverse, is_back: inverse < 0.0, count }
     }
 
-    /// On which side of a line the ray is before a parameter.
-    ///
-    /// * `met`: where it is on the line
+    /// The block of `2^level` cells in which the ray begins.
+    fn block(&self, level: u32) -> u32 {
+        (self.o.max(0.0) as u32).min(self.count - 1) >> level
+    }
+
+    /// Where the ray is on a line.
     #[inline(always)]
-    fn side(&self, met: f64, before: f64) -> u32 {
-        u32::from((before > met) != self.is_back)
+    fn crossing(&self, line: u32) -> f64 {
+        (f64::from(line) - self.o) * self.inverse
+    }
+
+    /// Where the ray leaves a block, whose position among those of `2^level` cells is given; infinite at the border of the grid.
+    #[inline(always)]
+    fn exit(&self, level: u32, at: u32) -> f64 {
+        let line = (at + u32::from(!self.is_back)) << level;
+        if line.wrapping_sub(1) < self.count - 1 { self.crossing(line) } else { f64::INFINITY }
+    }
+
+    /// The half of a block that the ray is in from a parameter on, and where it leaves that.
+    ///
+    /// * `level`: of the half
+    /// * `exit`: where it leaves the block
+    #[inline(always)]
+    fn half(&self, level: u32, at: u32, from: f64, exit: f64) -> (u32, f64) {
+        let line = (2 * at + 1) << level;
+        let middle = self.crossing(line);
+        let (is_there, is_past) = (line < self.count, middle <= from);
+        let half = 2 * at + u32::from(is_there & (is_past != self.is_back));
+        (half, if is_there & !is_past { middle } else { exit })
+    }
+
+    /// The next block.
+    #[inline(always)]
+    fn next(&self, at: u32) -> u32 {
+        if self.is_back { at - 1 } else { at + 1 }
     }
 }
 
@@ -94,15 +122,9 @@ impl Parts {
             return;
         }
         let [columns, rows] = self.grid.cells();
-        let lines = |o: f64, inverse: f64, count: u32| Lines {
-            o,
-            inverse,
-            is_back: inverse.is_finite() && inverse < 0.0,
-            count,
-        };
-        let lines = [lines(o.x, inverse.x * cell.x, columns), lines(o.z, inverse.z * cell.y, rows)];
+        let lines = [Lines::new(o.x, inverse.x * cell.x, columns), Lines::new(o.z, inverse.z * cell.y, rows)];
         let mut way = CellWalk { parts: self, o, d, lines, from: span.lo, is_below, visit };
-        if way.part(self.bounds.top(), [0, 0], [0.0, span.hi - span.lo]) || !way.is_below {
+        if way.blocks(span.hi - span.lo) || !way.is_below {
             return;
         }
         match span.leaves {
@@ -150,37 +172,60 @@ impl Parts {
 }
 
 impl<V: FnMut(f64, u32) -> bool> CellWalk<'_, V> {
-    /// Goes through a block of `2^level` cells a side between two parameters; whether that is enough.
-    fn part(&mut self, level: u32, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
-        let (y0, y1) = (self.o.y + t0 * self.d.y, self.o.y + t1 * self.d.y);
-        if let Some(is_below) = side(y0, y1, self.parts.bounds.block(level, at)) {
-            return self.turns(is_below, t0);
-        }
-        self.block(level, at, [t0, t1])
-    }
-
-    /// Goes through the quarters of a block that the surface may pass at the height of the ray.
-    fn block(&mut self, level: u32, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
-        // Two lines part the block. Before them the ray is on the side that it comes from.
-        let middle = |axis: usize| (2 * at[axis] + 1) << (level - 1);
-        let (x, z) = (self.lines[0].crossing(middle(0)), self.lines[1].crossing(middle(1)));
-        let mut from = t0;
-        for to in [x.min(z), x.max(z), t1] {
-            let to = to.clamp(from, t1);
-            if from < to {
-                let child = [2 * at[0] + self.lines[0].side(x, to), 2 * at[1] + self.lines[1].side(z, to)];
-                let is_enough = if level > 1 {
-                    self.part(level - 1, child, [from, to])
+    /// Goes through the grid from block to block until a parameter; whether that is enough.
+    ///
+    /// Where the surface may pass a block at the height of the ray, the ray goes on in a quarter of it. From there, and from blocks that it
+    /// passes over or under, it comes to the block beside it, or where that is the first of two, to the block over both of them
+    /// [Tevs, Ihrke and Seidel 2008].
+    fn blocks(&mut self, end: f64) -> bool {
+        let [across, along] = self.lines;
+        let mut level = self.parts.bounds.top().saturating_sub(SKIPPED).max(1);
+        let (mut x, mut z) = (across.block(level), along.block(level));
+        let (mut x_exit, mut z_exit) = (across.exit(level, x), along.exit(level, z));
+        let (mut t0, mut y0) = (0.0, self.o.y);
+        loop {
+            let t1 = least(least(x_exit, z_exit), end);
+            if t0 < t1 {
+                let y1 = self.o.y + t1 * self.d.y;
+                if level == 0 {
+                    if self.cell([x, z], [t0, t1]) {
+                        return true;
+                    }
                 } else {
-                    self.cell(child, [from, to])
-                };
-                if is_enough {
-                    return true;
+                    let [lowest, highest] = self.parts.bounds.block(level, [x, z]).map(f64::from);
+                    if let Some(is_below) = side(y0, y1, [lowest, highest]) {
+                        if self.turns(is_below, t0) {
+                            return true;
+                        }
+                    } else {
+                        level -= 1;
+                        (x, x_exit) = across.half(level, x, t0, x_exit);
+                        (z, z_exit) = along.half(level, z, t0, z_exit);
+                        continue;
+                    }
                 }
-                from = to;
+                (t0, y0) = (t1, y1);
+            }
+            if t1 >= end {
+                return false;
+            }
+            // The first of two blocks begins where the one over both of them does.
+            let is_first = if x_exit <= z_exit {
+                x = across.next(x);
+                x & 1 == u32::from(across.is_back)
+            } else {
+                z = along.next(z);
+                z & 1 == u32::from(along.is_back)
+            };
+            if is_first {
+                (level, x, z) = (level + 1, x >> 1, z >> 1);
+                (x_exit, z_exit) = (across.exit(level, x), along.exit(level, z));
+            } else if x_exit <= z_exit {
+                x_exit = across.exit(level, x);
+            } else {
+                z_exit = along.exit(level, z);
             }
         }
-        false
     }
 
     /// Visits what crosses the surface of a cell between two parameters.
@@ -189,7 +234,7 @@ impl<V: FnMut(f64, u32) -> bool> CellWalk<'_, V> {
         let corners = self.parts.grid.corners(at);
         let least = corners[0].min(corners[1]).min(corners[2].min(corners[3]));
         let greatest = corners[0].max(corners[1]).max(corners[2].max(corners[3]));
-        if let Some(is_below) = side(p0.y, p1.y, [least, greatest]) {
+        if let Some(is_below) = side(p0.y, p1.y, [least, greatest].map(f64::from)) {
             return self.turns(is_below, t0);
         }
         let place =
@@ -229,12 +274,19 @@ impl<V: FnMut(f64, u32) -> bool> CellWalk<'_, V> {
 }
 
 /// Whether a piece of a ray between two heights is below all of some heights, or above all of them.
-#[inline]
-fn side(y0: f64, y1: f64, [least, greatest]: [f32; 2]) -> Option<bool> {
-    if y0.min(y1) >= greatest.into() {
+#[inline(always)]
+fn side(y0: f64, y1: f64, [lowest, highest]: [f64; 2]) -> Option<bool> {
+    let (low, high) = if y0 < y1 { (y0, y1) } else { (y1, y0) };
+    if low >= highest {
         return Some(false);
     }
-    (y0.max(y1) < least.into()).then_some(true)
+    (high < lowest).then_some(true)
+}
+
+/// The lesser of two numbers.
+#[inline(always)]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 /// The root in [0, 1] of `a s^2 + 2 h s + c`, which has different signs at 0 and 1.
