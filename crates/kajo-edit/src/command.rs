@@ -31,6 +31,15 @@ pub enum Edit {
         /// What each number shall be; `None` for those that stay.
         numbers: Vec<Option<f64>>,
     },
+    /// Makes these all the values of a key that any number may have, such as the stops of a ramp.
+    SetList {
+        /// The block.
+        node: NodeId,
+        /// The word of the values.
+        key: String,
+        /// What they shall be, in order.
+        values: Vec<FieldValue>,
+    },
     /// Moves an object, light or camera in the world.
     Move {
         /// The node.
@@ -135,7 +144,7 @@ impl Edit {
     pub fn label(&self) -> String {
         match self {
             Edit::Set { key, .. } => format!("set {key}"),
-            Edit::SetSome { key, .. } => format!("set {key}"),
+            Edit::SetSome { key, .. } | Edit::SetList { key, .. } => format!("set {key}"),
             Edit::Move { movement: Movement::Rotate { .. }, .. } => "rotate".to_owned(),
             Edit::Move { movement: Movement::Scale { .. }, .. } => "scale".to_owned(),
             Edit::Move { .. } => "move".to_owned(),
@@ -203,6 +212,7 @@ impl Edit {
             Edit::Set { node, key, nth, value } => tree.set_field(tree.node(*node)?, key, *nth, Some(value)),
             Edit::Unset { node, key, nth } => tree.set_field(tree.node(*node)?, key, *nth, None),
             Edit::SetSome { node, key, numbers } => tree.set_some(tree.node(*node)?, key, numbers),
+            Edit::SetList { node, key, values } => tree.set_list(tree.node(*node)?, key, values),
             Edit::Move { node, movement } => tree.displace(tree.node(*node)?, movement),
             Edit::Look(pose) => tree.look(pose),
             Edit::Paint { node, material } => tree.paint(tree.node(*node)?, tree.node(*material)?),

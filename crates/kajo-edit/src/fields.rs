@@ -64,6 +64,14 @@ impl Tree {
         let specs = fields_of(node);
         let mut fields: Vec<Field> = Vec::new();
         for spec in specs.clone() {
+            if spec.repeats {
+                let items = written.iter().filter(|item| item.keyword() == spec.key);
+                fields.extend(items.enumerate().map(|(nth, item)| self.written(spec, nth, *item)));
+                // One more.
+                let nth = fields.iter().filter(|field| field.key == spec.key).count();
+                fields.push(self.absent(node, spec, nth, scene));
+                continue;
+            }
             let nth = fields.iter().filter(|field| field.key == spec.key).count();
             let repeats = specs.clone().filter(|other| other.key == spec.key).count() > 1;
             let mut same = written.iter().filter(|item| item.keyword() == spec.key);
@@ -214,6 +222,36 @@ impl Tree {
             (None, Some(value)) => self.insert_text(node, key, &value.text()),
             (None, None) => Ok(Vec::new()),
         }
+    }
+
+    /// Makes these all the values of a key that repeats: those that are there become the first ones, more of them follow the last, and what
+    /// is there beyond them is taken out.
+    pub(super) fn set_list(
+        &self,
+        node: &Node,
+        key: &str,
+        values: &[FieldValue],
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let items: Vec<Item<'_>> = self.values_of(node).filter(|item| item.keyword() == key).collect();
+        let mut edits = Vec::new();
+        for (item, value) in items.iter().zip(values) {
+            edits.extend(self.set_values_of(*item, value)?);
+        }
+        let Some(last) = items.last() else {
+            let more: Vec<String> = values.iter().map(FieldValue::text).collect();
+            return if more.is_empty() {
+                Ok(edits)
+            } else {
+                self.insert_text(node, key, &more.join(&format!("  {key} ")))
+            };
+        };
+        let (file, span) = self.range(*last);
+        for value in values.iter().skip(items.len()) {
+            let (at, new) = layout::after(self.text(file), &span, &format!("{key} {}", value.text()));
+            edits.push(TextEdit::insert(file, at, new));
+        }
+        edits.extend(self.without(items.get(values.len()..).unwrap_or_default()));
+        Ok(edits)
     }
 
     /// Takes out items that stand in this order.

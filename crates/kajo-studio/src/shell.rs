@@ -13,6 +13,7 @@ mod picture;
 mod picture_panel;
 mod problems_panel;
 mod questions;
+mod ramp;
 mod rays_panel;
 mod render_panel;
 mod sight;

@@ -154,3 +154,36 @@ fn sliders_try_masses_and_speeds() {
         "{x} {y} {z}"
     );
 }
+
+const RAMP: &str = "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40 }
+Background { color 0.3 0.3 0.3  ambientLight 1 1 1 }
+Textures { Cells m { }  Ramp land { texture m  stop 0 1 0 0  stop 0.5 0 1 0  stop 1 0 0 1 } }
+Materials { Matte grey { color land } }
+Group { MaterialIndex grey  Sphere { center 0 0 0  radius 1 } }
+";
+
+/// Stops of a ramp are dragged as far as their neighbours, as one step; a click adds one of the colour that is there; rows take them out.
+#[test]
+fn ramps_are_edited_by_their_bar() {
+    let mut window = Window::with(RAMP, false);
+    window.select("land");
+    let mark = window.widget("Mark 2");
+    window.drag(PointerButton::Primary, mark, vec2(400.0, 0.0));
+    assert_eq!(window.text(), RAMP.replace("stop 0.5 0 1 0", "stop 1 0 1 0"), "no further than the next one");
+    window.studio().apply(Action::Undo);
+    assert_eq!(window.text(), RAMP);
+    window.frames(5);
+
+    let [first, second] = ["Mark 1", "Mark 2"].map(|name| window.widget(name));
+    let on_bar = first + 0.5 * (second - first) - vec2(0.0, 14.0);
+    window.click(on_bar);
+    window.frames(5);
+    let text = window.text();
+    let added = text.split("stop ").nth(2).unwrap();
+    let numbers: Vec<f64> = added.split_whitespace().map(|v| v.parse().unwrap()).collect();
+    assert!((numbers[0] - 0.25).abs() < 0.02 && (numbers[1] - 0.5).abs() < 0.05, "{text}");
+    assert!((numbers[2] - 0.5).abs() < 0.05 && numbers[3] == 0.0, "{text}");
+    window.press("Remove stop 2");
+    window.frames(5);
+    assert_eq!(window.text(), RAMP);
+}

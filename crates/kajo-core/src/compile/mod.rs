@@ -63,6 +63,7 @@ mod world_line;
 
 pub use self::animation::{animation_of, clock_of};
 pub use self::blocks::animation::LAST_FRAME;
+pub use self::blocks::texture_operations::ramp_colors;
 pub use self::blocks::{block_in, block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
 pub use self::operations::{BLOCK_OPERATIONS, OPERATIONS};

@@ -39,6 +39,8 @@ pub enum FieldKind {
     Vector,
     /// Linear red, green and blue, each within a range.
     Color(NumberRange),
+    /// A position of a ramp, and the linear red, green and blue there, each from 0 to 1.
+    ColorStop,
     /// Linear red, green and blue; or a file or `spectrum` with its numbers.
     Reflectance,
     /// Linear red, green and blue, one number for white, or a light source's name with its factor.
@@ -92,6 +94,7 @@ impl FieldKind {
             FieldKind::Color(_) | FieldKind::Reflectance | FieldKind::Emission => {
                 FieldValue::numbers([1.0; 3])
             }
+            FieldKind::ColorStop => FieldValue::numbers([1.0; 4]),
             FieldKind::Flag => FieldValue::flag(true),
             FieldKind::Choice(words)
             | FieldKind::ChoiceAndNumber(words, _)
@@ -128,6 +131,7 @@ impl FieldKind {
             FieldKind::Numbers(ranges) | FieldKind::Wholes(ranges) | FieldKind::Groups(ranges) => {
                 ranges.get(index).copied().unwrap_or(NumberRange::ANY)
             }
+            FieldKind::ColorStop if index > 0 => NumberRange::SHARE,
             _ => NumberRange::ANY,
         }
     }
@@ -142,6 +146,7 @@ impl fmt::Display for FieldKind {
             FieldKind::Angle { min, max } => write!(f, "degrees{}", NumberRange { min, max }),
             FieldKind::Point | FieldKind::Vector => f.write_str("x y z"),
             FieldKind::Color(range) => write!(f, "r g b{range}"),
+            FieldKind::ColorStop => f.write_str("a number, then r g b from 0 to 1"),
             FieldKind::Reflectance => f.write_str("r g b, or a file or spectrum"),
             FieldKind::Emission => f.write_str("r g b, or another light value"),
             FieldKind::Flag => f.write_str("on or off"),

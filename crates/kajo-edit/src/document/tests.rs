@@ -136,6 +136,40 @@ fn values_that_share_a_word_are_edited_one_by_one() {
     assert_eq!(diff(&mut d, &second), ["-    line 1 1  0 1", "+    line 1 1  0 2"]);
 }
 
+/// All stops of a ramp are fields, and one more; they are set as a list, in place, longer and shorter.
+#[test]
+fn lists_of_stops_are_edited_as_one() {
+    let ramp = "Textures {\n  Cells m { }\n  Ramp r {\n    texture m\n    stop 0 1 0 0  # red\n    stop 1 0 0 1\n    frequency 2\n  }\n}";
+    let mut d = good(&format!("{ramp}\n{SCENE}"));
+    let node = find(&d, "Ramp");
+    let fields = d.fields(node);
+    let stops: Vec<_> =
+        fields.iter().filter(|f| f.key == "stop").map(|f| (f.nth, f.span.is_some())).collect();
+    assert_eq!(stops, [(0, true), (1, true), (2, false)]);
+    let ramp = crate::Ramp::of(&fields).unwrap();
+    assert_eq!(ramp.at(0.5), [0.5, 0.0, 0.5]);
+
+    let set = |stops: &[crate::RampStop]| Edit::SetList {
+        node,
+        key: "stop".to_owned(),
+        values: stops.iter().map(crate::RampStop::value).collect(),
+    };
+    let middle = ramp.with_stop(0.25);
+    let longer = diff(&mut d, &set(&middle));
+    assert_eq!(longer, ["+    stop 0.25 0.75 0 0.25"]);
+    assert_eq!(crate::Ramp::of(&d.fields(node)).unwrap().stops, middle);
+    let shorter = diff(&mut d, &set(&middle[1..]));
+    let expected =
+        ["-    stop 0 1 0 0  # red", "-    stop 0.25 0.75 0 0.25", "+    stop 0.25 0.75 0 0.25  # red"];
+    assert_eq!(shorter, expected);
+    // All of them may go, which is no ramp, and come again.
+    d.apply(&set(&[])).unwrap();
+    d.compile();
+    assert!(crate::Ramp::of(&d.fields(node)).is_none() && !d.is_current());
+    assert_eq!(diff(&mut d, &set(&middle[1..])), ["+    stop 0.25 0.75 0 0.25  stop 1 0 0 1"]);
+    assert_eq!(crate::Ramp::of(&d.fields(node)).unwrap().stops, middle[1..]);
+}
+
 #[test]
 fn blocks_are_added_where_they_belong() {
     let mut d = good(SCENE);

@@ -103,6 +103,7 @@ fn needed(block: &Block) -> String {
             FieldKind::Numbers(_) if field.key == "row0" => "0 0 0  1 0 0  2 0 0  3 0 1",
             FieldKind::Numbers(ranges) if ranges.len() == 12 => "0 1 0  1 1 1  2 1 0  3 1 0",
             FieldKind::Numbers(ranges) => return format!("{} {}", field.key, "1 ".repeat(ranges.len())),
+            FieldKind::ColorStop => "0 1 0.5 0.25",
             FieldKind::Groups([_, _, _]) => "0 0 0  1 0 0  1 1 0",
             FieldKind::File => "heights.pfm",
             _ => "30",

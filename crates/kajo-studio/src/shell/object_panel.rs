@@ -5,10 +5,10 @@ use egui::{
     CollapsingHeader, Color32, DragValue, Id, RichText, ScrollArea, Sense, Shape, Slider, SliderClamping,
     Stroke, TextEdit, Ui, UiBuilder, vec2,
 };
-use kajo_edit::{Document, Field, FieldKind, FieldValue, Keying, Kind, Node, NodeId};
+use kajo_edit::{Document, Field, FieldKind, FieldValue, Keying, Kind, Node, NodeId, Ramp, RampStop};
 
-use super::theme;
-use super::widgets::{choice, rows};
+use super::widgets::{choice, color, rows, tidy};
+use super::{ramp, theme};
 use crate::state::{Action, Selection, Studio};
 
 /// How strongly what is not set is painted.
@@ -86,8 +86,16 @@ fn fields(ui: &mut Ui, studio: &Studio, document: &Document, node: &Node, action
         ui.label(RichText::new("It has no fields of its own.").color(theme::quiet(ui)));
         return;
     }
+    let ramp = Ramp::of(&fields);
+    if let Some(ramp) = &ramp
+        && let Some(stops) = ui.push_id("ramp", |ui| ramp::show(ui, ramp)).inner
+    {
+        let values = stops.iter().map(RampStop::value).collect();
+        actions.push(Action::SetFields { node: node.id, key: Ramp::KEY.to_owned(), values });
+    }
+    let is_shown = |field: &Field| ramp.is_none() || field.kind != FieldKind::ColorStop;
     let (set, others): (Vec<Field>, Vec<Field>) =
-        fields.into_iter().partition(|field| studio.is_set(node.id, field));
+        fields.into_iter().filter(is_shown).partition(|field| studio.is_set(node.id, field));
     let mut list = |ui: &mut Ui, name: &str, fields: &[Field]| {
         rows(ui, name, |ui| fields.iter().for_each(|field| row(ui, studio, node.id, field, actions)));
     };
@@ -262,6 +270,7 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
                 (!value.numbers.is_empty()).then(|| numbers(ui, value, label, 1, is_whole)).flatten();
             word.or(number.map(|new| FieldValue { word: value.word.clone(), ..new }))
         }
+        FieldKind::ColorStop => numbers(ui, value, label, 4, false),
         FieldKind::Numbers(ranges) => numbers(ui, value, label, ranges.len().max(value.numbers.len()), false),
         // As long as they can be seen beside each other.
         FieldKind::Groups(_) if value.word.is_none() && (1..=16).contains(&value.numbers.len()) => {
@@ -353,33 +362,6 @@ fn numbers(ui: &mut Ui, value: &FieldValue, label: Id, count: usize, is_whole: b
     any.then(|| FieldValue { word: value.word.clone(), numbers: all })
 }
 
-/// A swatch that opens a picker, and the three numbers, which may be above one.
-fn color(ui: &mut Ui, value: &FieldValue, label: Id) -> Option<FieldValue> {
-    let mut rgb = match value.numbers[..] {
-        [r, g, b, ..] => [r, g, b],
-        [grey] => [grey; 3],
-        _ => [0.0; 3],
-    };
-    let brightest = rgb.iter().fold(1.0, |most: f64, v| most.max(*v));
-    // Brighter than white: the picker shows the hue, and the brightness stays.
-    let mut shown = rgb.map(|v| (v / brightest) as f32);
-    let picker = ui.color_edit_button_rgb(&mut shown).on_hover_text("Linear red, green and blue");
-    let mut any = picker.labelled_by(label).changed();
-    if any {
-        rgb = shown.map(|v| tidy((f64::from(v) * brightest * 1e4).round() / 1e4));
-    }
-    ui.spacing_mut().item_spacing.x = 3.0;
-    ui.spacing_mut().interact_size.x = 40.0;
-    for (v, name) in rgb.iter_mut().zip(["red", "green", "blue"]) {
-        let drag = DragValue::new(v).speed(0.005).range(0.0..=f64::MAX).max_decimals(3);
-        if ui.add(drag).labelled_by(label).on_hover_text(name).changed() {
-            *v = tidy(*v);
-            any = true;
-        }
-    }
-    any.then(|| FieldValue::numbers(rgb))
-}
-
 fn words_choice(
     ui: &mut Ui,
     value: &FieldValue,
@@ -434,11 +416,6 @@ fn step(v: f64) -> f64 {
     (v.abs() * 0.01).max(0.005)
 }
 
-/// Without the digits that come from computing in binary.
-fn tidy(v: f64) -> f64 {
-    (v * 1e6).round() / 1e6
-}
-
 /// A text with its keys, which stand between backticks, as the names that they have in the panel.
 fn in_words(text: &str) -> String {
     text.split('`')
@@ -485,7 +462,6 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!(tidy(0.1 + 0.2), 0.3);
         assert_eq!(step(0.0), 0.005);
         assert_eq!(step(-200.0), 2.0);
     }

@@ -1,6 +1,7 @@
 //! Rows of a panel: a name, a widget, and a way back to what the scene says.
 
-use egui::{Response, RichText, Ui};
+use egui::{DragValue, Id, Response, RichText, Ui};
+use kajo_edit::FieldValue;
 
 use super::theme;
 
@@ -64,6 +65,38 @@ pub fn choice<T: PartialEq + Copy>(ui: &mut Ui, id: &str, value: &mut T, all: &[
     response
 }
 
+/// A swatch that opens a picker, and the three numbers, which may be above one.
+pub fn color(ui: &mut Ui, value: &FieldValue, label: Id) -> Option<FieldValue> {
+    let mut rgb = match value.numbers[..] {
+        [r, g, b, ..] => [r, g, b],
+        [grey] => [grey; 3],
+        _ => [0.0; 3],
+    };
+    let brightest = rgb.iter().fold(1.0, |most: f64, v| most.max(*v));
+    // Brighter than white: the picker shows the hue, and the brightness stays.
+    let mut shown = rgb.map(|v| (v / brightest) as f32);
+    let picker = ui.color_edit_button_rgb(&mut shown).on_hover_text("Linear red, green and blue");
+    let mut any = picker.labelled_by(label).changed();
+    if any {
+        rgb = shown.map(|v| tidy((f64::from(v) * brightest * 1e4).round() / 1e4));
+    }
+    ui.spacing_mut().item_spacing.x = 3.0;
+    ui.spacing_mut().interact_size.x = 40.0;
+    for (v, name) in rgb.iter_mut().zip(["red", "green", "blue"]) {
+        let drag = DragValue::new(v).speed(0.005).range(0.0..=f64::MAX).max_decimals(3);
+        if ui.add(drag).labelled_by(label).on_hover_text(name).changed() {
+            *v = tidy(*v);
+            any = true;
+        }
+    }
+    any.then(|| FieldValue::numbers(rgb))
+}
+
+/// Without the digits that come from computing in binary.
+pub fn tidy(v: f64) -> f64 {
+    (v * 1e6).round() / 1e6
+}
+
 /// A headline over a group of rows that can be folded away.
 pub fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show_unindented(ui, |ui| {
@@ -82,6 +115,11 @@ pub fn capitalised(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_have_no_binary_dust() {
+        assert_eq!(tidy(0.1 + 0.2), 0.3);
+    }
 
     #[test]
     fn names_get_a_capital() {

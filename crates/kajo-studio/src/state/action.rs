@@ -170,6 +170,15 @@ pub enum Action {
         /// Its value.
         value: FieldValue,
     },
+    /// Makes these all the values of a key that any number may have; while one is dragged, they are one step.
+    SetFields {
+        /// The block.
+        node: NodeId,
+        /// Their key.
+        key: String,
+        /// The values in order.
+        values: Vec<FieldValue>,
+    },
     /// Takes a field out, so that its default holds.
     UnsetField {
         /// The block.

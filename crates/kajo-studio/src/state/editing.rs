@@ -55,6 +55,10 @@ impl Studio {
                 self.begin_drag(node, &key, nth);
                 self.edit(&Edit::Set { node, key, nth: Some(nth), value });
             }
+            Action::SetFields { node, key, values } => {
+                self.begin_drag(node, &key, 0);
+                self.edit(&Edit::SetList { node, key, values });
+            }
             Action::UnsetField { node, key, nth } => {
                 self.end_drag();
                 self.edit(&Edit::Unset { node, key, nth: Some(nth) });

@@ -166,7 +166,7 @@ fn type_of(field: &FieldSpec) -> String {
             format!("{0} | tuple[{0}, Number]", literal(words))
         }
         FieldKind::ChoiceAndWhole(words, _) => format!("{0} | tuple[{0}, int]", literal(words)),
-        FieldKind::Numbers(_) | FieldKind::Groups(_) => "Number | Vector".to_owned(),
+        FieldKind::Numbers(_) | FieldKind::Groups(_) | FieldKind::ColorStop => "Number | Vector".to_owned(),
         FieldKind::Wholes(_) => "int | Sequence[int]".to_owned(),
         FieldKind::File => "File".to_owned(),
         // What a texture is made of.

@@ -6,7 +6,9 @@ use kajo_math::tape::Tape;
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::patterns::{PlacementKeys, mapped, placement};
-use crate::compile::fields::{Keys, Sources, between, choice, choices, function, keys, number, share};
+use crate::compile::fields::{
+    Choice, Keys, Sources, between, choice, choices, function, keys, number, share,
+};
 use crate::compile::member::{Member, TextureMember};
 use crate::compile::named_texture::{NamedTexture, numbers_of};
 use crate::compile::operands::OPERAND;
@@ -30,10 +32,7 @@ const FEW: [usize; 2] = [2, 16];
 const COLOR_STOP: FieldSpec = FieldSpec {
     repeats: true,
     about: "a position from 0 to 1, and the colour there; any number of these, in order",
-    ..FieldSpec::new(
-        "stop",
-        FieldKind::Numbers(&[NumberRange::ANY, NumberRange::SHARE, NumberRange::SHARE, NumberRange::SHARE]),
-    )
+    ..FieldSpec::new("stop", FieldKind::ColorStop)
 };
 
 /// A number of a curve.
@@ -232,6 +231,18 @@ pub const FORMULA: TextureMember = Member {
 fn number_operand(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<FloatTexture> {
     let texture = sources.operands(params, [1, 1])?.pop()?;
     texture.number(sources.textures.nodes)
+}
+
+/// The colours of a ramp, for whoever shows it.
+///
+/// * `stops`: as for [`Colors::new`]
+/// * `interpolation`: the word for what is between them
+///
+/// `None` for an unknown word, and as [`Colors::new`].
+pub fn ramp_colors(stops: Vec<(f32, [f32; 3])>, interpolation: &str) -> Option<Colors> {
+    let (_, Between { interpolation, is_oklab }) =
+        Between::NAMES.iter().find(|(name, _)| *name == interpolation)?;
+    Colors::new(stops, *interpolation, *is_oklab)
 }
 
 /// The stops of a ramp or a curve; none at all, and one before another, are reported.
