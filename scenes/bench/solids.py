@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Writes scenes of solids for kajo and for POV-Ray 3.7, the same in both.
 
-    solids.py DIR      csg, csg-group, tori, spheres, isosurface, blobs, height: DIR/NAME.txt, and NAME.pov of those to compare
+    solids.py DIR      csg, csg-group, tori, spheres, isosurface, blobs, lathe, height: DIR/NAME.txt, and NAME.pov of those to compare
 
 csg: a box with 999 balls taken away. csg-group: the same 1,000 leaves in a group. tori, spheres: a field of 1,024 each.
-isosurface: a gyroid in a box, by its formula. blobs: 1,000 components. height: 512 x 512 heights of 16 bits.
+isosurface: a gyroid in a box, by its formula. blobs: 1,000 components. lathe: a vase whose wall is of cubic curves. height: 512 x 512 heights of 16 bits.
 One point light with shadows, ambient light 0.1, one ray a pixel; the picture is 640 x 480."""
 import math, os, struct, sys, zlib
 
@@ -33,6 +33,10 @@ FIELD = [((i % 32 - 15.5) * 0.9, 0.35 + 0.1 * u(i, 0), (i // 32 - 15.5) * 0.9, n
          for i in range(1024)]
 DROPS = [(3.6 * math.cos(0.11 * i) * (0.3 + 0.7 * u(i, 0)), near(i, 1, 1.6), 3.6 * math.sin(0.11 * i) * (0.3 + 0.7 * u(i, 2)),
           0.35 + 0.3 * u(i, 3)) for i in range(1000)]
+
+# A vase's wall, outside and inside: points, of which each three end a cubic curve that begins at the last of the ones before.
+VASE = [(0, 0), (0.2, 0), (0.4, 0), (0.6, 0), (1.3, 0.7), (0.1, 1.2), (0.4, 2.0), (0.38, 2.02), (0.35, 2.02), (0.33, 2.0),
+        (0.03, 1.2), (1.2, 0.7), (0.5, 0.1), (0.35, 0.1), (0.2, 0.1), (0, 0.1)]
 
 
 def height(x, z):
@@ -126,6 +130,10 @@ def scenes():
     pov = "\n".join("sphere { %s, %s, 1 }" % (angle(*d[:3]), text(d[3])) for d in DROPS)
     yield ("blobs", (5, 7, 10), (0, -0.3, 0), f"  Blob {{\n    threshold 0.5  kernel povray\n{own}\n  }}\n{FLOOR(-2)}",
            f"blob {{ threshold 0.5\n{pov}\nCOLOR }}\n{POV_FLOOR(-2)}")
+    own = "cubic " + "  ".join(text(*p) for p in VASE)
+    pov = ", ".join(angle(*p) for k in range(0, 15, 3) for p in VASE[k : k + 4])
+    yield ("lathe", (2.2, 3.2, 4), (0, 0.85, 0), f"  Lathe {{ profile {{ {own} }} }}\n{FLOOR(0)}",
+           f"lathe {{ bezier_spline 20, {pov} COLOR }}\n{POV_FLOOR(0)}")
     yield ("height", (5, 6, 9), (0, -0.3, 0), "  HeightField { file height.png  size 10 10  heights -1.5 1.5 }",
            'height_field { png "height.png" translate <-0.5,0,-0.5> scale <10,3,-10> translate <0,-1.5,0> COLOR }')
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# kajo beside POV-Ray 3.7 on solids: set operations, tori, an isosurface, a blob, a height field.
+# kajo beside POV-Ray 3.7 on solids: set operations, tori, an isosurface, a blob, a lathe, a height field.
 #
 #   scenes/bench/solids.sh [--kajo FILE] [--rounds N] [--work DIR]
 #
@@ -59,7 +59,7 @@ sort rows | awk -F, '
   { t[$1, $2] = t[$1, $2] " " $3; scenes[$1] }
   END {
     printf "%-12s%10s%10s%10s%10s\n", "scene", "kajo s", "POV-Ray s", "times", "FLIP"
-    split("csg tori isosurface blobs height", order, " ")
+    split("csg tori isosurface blobs lathe height", order, " ")
     for (i = 1; i in order; i++) {
       own = median(t[order[i], "kajo"]); other = median(t[order[i], "povray"])
       printf "%-12s%10.3f%10.3f%10.2f%10.4f\n", order[i], own, other, other / own, median(t[order[i], "flip"])

@@ -227,6 +227,7 @@ impl Term {
     }
 
     /// Its value and gradient at a point.
+    #[inline(always)]
     pub fn at(&self, kernel: BlobKernel, p: DVec3) -> (f64, DVec3) {
         let w = self.offset(p);
         let u = w.length_squared() * self.inverse2;
