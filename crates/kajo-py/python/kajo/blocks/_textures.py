@@ -78,8 +78,8 @@ class Ramp(TextureBlock):
     Args:
         texture: what it is made of: the name of a texture, a picture, a number, or a colour
             (word or text, or a texture).
-        stop: a position from 0 to 1, and the colour there; any number of these, in order (4
-            numbers: any, from 0 to 1, from 0 to 1, from 0 to 1).
+        stop: a position from 0 to 1, and the colour there; any number of these, in order (a
+            number, then r g b from 0 to 1).
         interpolation: what is between colours (linear, oklab, smooth or step). Default: linear.
         frequency: how often it is run through from 0 to 1 (number). Default: 1.
         phase: by which part of itself it is moved (number). Default: 0.
