@@ -51,7 +51,8 @@ impl Ramp {
     /// How far a stop may go without passing another one.
     pub fn room(&self, stop: usize) -> [f64; 2] {
         let least = stop.checked_sub(1).map_or(f64::MIN, |before| self.stops[before].at);
-        [least, self.stops.get(stop + 1).map_or(f64::MAX, |after| after.at)]
+        // In order are places in single precision.
+        [least, self.stops.get(stop + 1).map_or(f64::MAX, |after| after.at.max(least))]
     }
 
     /// The stops with one more at a place, of the colour that is there.
@@ -88,6 +89,8 @@ mod tests {
         assert_eq!(ramp.with_stop(0.75)[2], stop(0.75, 0.5));
         assert_eq!(ramp.with_stop(-1.0)[0], stop(-1.0, 0.0));
         assert_eq!((ramp.room(0), ramp.room(1)), ([f64::MIN, 0.5], [0.0, 1.0]));
+        let same = Ramp::new([0.5, 0.5, 0.5 - 1e-12].map(|at| stop(at, 0.0)).to_vec(), "linear").unwrap();
+        assert_eq!(same.room(1), [0.5; 2]);
         assert!(Ramp::new(vec![], "linear").is_none() && Ramp::new(vec![stop(0.0, 0.0)], "?").is_none());
     }
 }
