@@ -53,29 +53,15 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let grid: Vec<String> = (0..27).map(|_| draw.between(0.0, 1.0).to_string()).collect();
     let g = draw.between(-0.6, 0.8);
     let (r, s) = (draw.between(1.0, 4.0), draw.between(0.2, 3.0));
-    for (name, medium, material, body) in [
-        ("a ball", format!("Medium m {{ sigma_s {r} {s} 1 g {g} }}"), "Interface b { medium m }", BALL),
-        (
-            "voxels",
-            format!("GridMedium m {{ size 3 3 3 values {} density {} g {g} }}", grid.join(" "), 3.0 * r),
-            "Interface b { medium m }",
-            CUBE,
-        ),
-        (
-            "a function",
-            format!("FunctionMedium m {{ function = cos({r} * x) + z  sigma_s {s} {r} 2  phase rayleigh }}"),
-            "Interface b { medium m }",
-            CUBE,
-        ),
-        (
-            "glass",
-            format!("Medium m {{ density {r} g {g} }}"),
-            "Glass b { indexOfRefraction 1.4 medium m }",
-            BALL,
-        ),
-    ] {
-        forms.push(white(draw, name, &medium, material, body));
-    }
+    let ball = format!("Medium m {{ sigma_s {r} {s} 1 g {g} }}");
+    forms.push(white(draw, "a ball", 1.0, &ball, BALL));
+    let values = grid.join(" ");
+    let voxels = format!("GridMedium m {{ size 3 3 3 values {values} density {} g {g} }}", 3.0 * r);
+    forms.push(white(draw, "voxels", 1.0, &voxels, CUBE).bounces(WITHOUT_END));
+    let function =
+        format!("FunctionMedium m {{ function = cos({r} * x) + z  sigma_s {s} {r} 2  phase rayleigh }}");
+    forms.push(white(draw, "a function", 1.0, &function, CUBE));
+    forms.push(white(draw, "glass", 1.4, &format!("Medium m {{ density {r} g {g} }}"), BALL));
     forms.extend([wide(draw, "a ball seen from afar", WIDE), wide(draw, "a ball by chains", CHAINS)]);
     forms
 }
@@ -143,13 +129,18 @@ fn fog(draw: &mut Parameters) -> Form {
     Form::new(format!("S11 point light beside a ray in fog of {s}"), scene, expected, DRAWN).bounces(0)
 }
 
-fn white(draw: &mut Parameters, name: &str, medium: &str, material: &str, body: &str) -> Form {
+/// * `eta`: index of refraction of the body's material, which is glass unless that is 1
+/// * `body`: the object, a ball of radius 1 about the origin where `eta` is not 1
+fn white(draw: &mut Parameters, name: &str, eta: f64, medium: &str, body: &str) -> Form {
     let eye = draw.direction(-1.0) * draw.between(0.1, 4.0);
-    let scene = filled(&under_a_sky(eye, draw.point(0.4)), medium, material, body);
-    // Within glass radiance is n^2 times that outside.
-    let expected = if name == "glass" && eye.length() < 1.0 { 1.4 * 1.4 } else { 1.0 };
-    let form = Form::new(format!("{name} that scatters all light"), scene, expected, MEDIA);
-    if name == "voxels" { form.bounces(WITHOUT_END) } else { form }
+    let material = match eta {
+        1.0 => "Interface b { medium m }".to_owned(),
+        _ => format!("Glass b {{ indexOfRefraction {eta} medium m }}"),
+    };
+    let scene = filled(&under_a_sky(eye, draw.point(0.4)), medium, &material, body);
+    // Within a body radiance is n^2 times that outside.
+    let expected = if eye.length() < 1.0 { eta * eta } else { 1.0 };
+    Form::new(format!("{name} that scatters all light"), scene, expected, MEDIA)
 }
 
 /// All of a ball and the sky beside it in one picture.
