@@ -104,6 +104,35 @@ fn sine_and_cosine_together_are_the_single_ones() {
     }
 }
 
+/// Through all exponents, and densely where expressions are: next to quarter turns, and up to the first thousand.
+#[test]
+fn sines_and_cosines_of_double_precision_have_the_bits_of_the_library() {
+    let check = |x: f64| {
+        let bits = |(sin, cos): (f64, f64)| [sin.to_bits(), cos.to_bits()];
+        let expected = bits(libm::sincos(x));
+        assert_eq!(bits(sincos64(x)), expected, "{x:e}");
+        assert_eq!(bits((sin64(x), cos64(x))), expected, "{x:e}");
+        let single = [libm::sin(x), libm::cos(x)].map(f64::to_bits);
+        assert_eq!(single, expected, "{x:e}");
+    };
+    [0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY].into_iter().for_each(check);
+    assert!(sin64(f64::NAN).is_nan() && cos64(f64::NAN).is_nan());
+    for i in 0..200_000_u64 {
+        let word = mix(i);
+        // Any number but infinities and what is none.
+        check(f64::from_bits(word & !(1 << 62) | (word & 1) << 61));
+        let unit = (word >> 11) as f64 / 9_007_199_254_740_992.0;
+        for range in [1.0, 8.0, 1e3, 2e6] {
+            check((2.0 * unit - 1.0) * range);
+        }
+        let end = (i % 2000) as f64 * std::f64::consts::FRAC_PI_4;
+        for off in [0.0, 1e-16, 1e-12, 1e-8, 1e-5, 1e-3] {
+            check(end * (1.0 + (unit - 0.5) * off));
+            check(-(end + (unit - 0.5) * off));
+        }
+    }
+}
+
 /// Where an angle nearly is a whole number of quarter turns, the rest has few digits of its own.
 #[test]
 fn angles_next_to_quarter_turns_keep_their_digits() {

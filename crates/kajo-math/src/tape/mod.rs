@@ -88,6 +88,7 @@ pub enum Binary {
     Atan2,
 }
 
+/// An operation of a function that is being built: it takes the results of earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Operation {
     /// The bits of a number.
@@ -95,17 +96,43 @@ enum Operation {
     Variable(u32),
     Unary(Unary, u32),
     Binary(Binary, u32, u32),
-    /// Sine and cosine of the first, which are worked out together: their own results.
-    SinCos(u32, [u32; 2]),
-    /// The result is there already.
-    Done,
+}
+
+/// What is done with numbers in slots; each writes a slot that no other writes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Instruction {
+    Unary {
+        function: Unary,
+        a: u32,
+        to: u32,
+    },
+    Binary {
+        function: Binary,
+        a: u32,
+        b: u32,
+        to: u32,
+    },
+    /// Sine and cosine of the same, which are worked out together.
+    SinCos {
+        a: u32,
+        sine: u32,
+        cosine: u32,
+    },
 }
 
 /// A function as a list of operations; see the head of this module.
+///
+/// Its numbers have slots: first its variables, then its constants, then what the operations give.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tape {
-    /// Each takes the results of earlier ones; the last is the value.
-    operations: Vec<Operation>,
+    /// Their numbers.
+    variables: Vec<u32>,
+    /// Their bits.
+    constants: Vec<u64>,
+    instructions: Vec<Instruction>,
+    slots: u32,
+    /// The slot of the value.
+    result: u32,
 }
 
 impl Tape {
@@ -115,51 +142,51 @@ impl Tape {
     /// * `slots`: memory that may be used again
     pub fn at<S: Scalar>(&self, variables: &[S], slots: &mut Vec<S>) -> S {
         let zero = S::constant(0.0);
-        if slots.len() < self.operations.len() {
-            slots.resize(self.operations.len(), zero);
+        if slots.len() < self.slots as usize {
+            slots.resize(self.slots as usize, zero);
         }
-        let slots = &mut slots[..self.operations.len()];
-        let mut value = zero;
-        for (i, operation) in self.operations.iter().enumerate() {
-            value = match *operation {
-                Operation::Constant(bits) => S::constant(f64::from_bits(bits)),
-                Operation::Variable(i) => variables.get(i as usize).copied().unwrap_or(zero),
-                Operation::Unary(function, a) => slots[a as usize].unary(function),
-                Operation::Binary(function, a, b) => slots[a as usize].binary(function, slots[b as usize]),
-                Operation::SinCos(a, [sine, cosine]) => {
-                    let (sin, cos) = slots[a as usize].sin_cos();
-                    slots[sine as usize] = sin;
-                    slots[cosine as usize] = cos;
-                    continue;
-                }
-                Operation::Done => {
-                    value = slots[i];
-                    continue;
-                }
-            };
-            slots[i] = value;
+        let slots = &mut slots[..self.slots as usize];
+        let (of_variables, others) = slots.split_at_mut(self.variables.len());
+        for (slot, &i) in of_variables.iter_mut().zip(&self.variables) {
+            *slot = variables.get(i as usize).copied().unwrap_or(zero);
         }
-        value
+        for (slot, &bits) in others.iter_mut().zip(&self.constants) {
+            *slot = S::constant(f64::from_bits(bits));
+        }
+        for instruction in &self.instructions {
+            match *instruction {
+                Instruction::Unary { function, a, to } => {
+                    slots[to as usize] = slots[a as usize].unary(function)
+                }
+                Instruction::Binary { function, a, b, to } => {
+                    slots[to as usize] = slots[a as usize].binary(function, slots[b as usize]);
+                }
+                Instruction::SinCos { a, sine, cosine } => {
+                    (slots[sine as usize], slots[cosine as usize]) = slots[a as usize].sin_cos();
+                }
+            }
+        }
+        slots[self.result as usize]
     }
 
-    /// How many operations it takes.
+    /// How many numbers it works with: variables, constants, and results of operations.
     pub fn len(&self) -> usize {
-        self.operations.len()
+        self.slots as usize
     }
 
-    /// Whether it is zero without any operation.
+    /// Whether it works with none.
     pub fn is_empty(&self) -> bool {
-        self.operations.is_empty()
+        self.slots == 0
     }
 
     /// Whether its value depends on a variable.
     pub fn has_variable(&self, i: u32) -> bool {
-        self.operations.contains(&Operation::Variable(i))
+        self.variables.contains(&i)
     }
 
     /// Bytes kept beyond the record itself.
     pub fn heap_bytes(&self) -> usize {
-        size_of_val(&*self.operations)
+        size_of_val(&*self.variables) + size_of_val(&*self.constants) + size_of_val(&*self.instructions)
     }
 }
 
@@ -255,28 +282,54 @@ impl TapeBuilder {
         self.binary(Binary::Mul, a, b)
     }
 
-    /// Sines and cosines of the same become one operation.
-    fn join_angles(&mut self) {
-        // Of equal operations there is one, so the second of an angle is the other function.
-        let mut firsts = HashMap::new();
-        for i in 0..self.operations.len() {
-            let Operation::Unary(function @ (Unary::Sin | Unary::Cos), a) = self.operations[i] else {
-                continue;
-            };
-            let Some(first) = firsts.insert(a, i) else { continue };
-            let [sine, cosine] = if function == Unary::Cos { [first, i] } else { [i, first] };
-            self.operations[first] = Operation::SinCos(a, [sine as u32, cosine as u32]);
-            self.operations[i] = Operation::Done;
-        }
-    }
-
     /// The function whose value `result` is.
     pub fn finish(mut self, result: Node) -> Tape {
-        let slot = self.slot(result) as usize;
+        let result = self.slot(result) as usize;
         // Whatever came later belongs to nothing.
-        self.operations.truncate(slot + 1);
-        self.join_angles();
-        Tape { operations: self.operations }
+        self.operations.truncate(result + 1);
+        let slots = self.slots();
+        let (mut variables, mut constants, mut instructions) = (Vec::new(), Vec::new(), Vec::new());
+        // Of equal operations there is one, so the second of an angle is the other function.
+        let mut angles = HashMap::new();
+        for (i, operation) in self.operations.iter().enumerate() {
+            let slot = |operation: u32| slots[operation as usize];
+            match *operation {
+                Operation::Variable(variable) => variables.push(variable),
+                Operation::Constant(bits) => constants.push(bits),
+                Operation::Unary(function @ (Unary::Sin | Unary::Cos), a) => {
+                    if let Some((first, other)) = angles.insert(a, (instructions.len(), slots[i])) {
+                        let [sine, cosine] =
+                            if function == Unary::Cos { [other, slots[i]] } else { [slots[i], other] };
+                        instructions[first] = Instruction::SinCos { a: slot(a), sine, cosine };
+                    } else {
+                        instructions.push(Instruction::Unary { function, a: slot(a), to: slots[i] });
+                    }
+                }
+                Operation::Unary(function, a) => {
+                    instructions.push(Instruction::Unary { function, a: slot(a), to: slots[i] });
+                }
+                Operation::Binary(function, a, b) => {
+                    instructions.push(Instruction::Binary { function, a: slot(a), b: slot(b), to: slots[i] });
+                }
+            }
+        }
+        Tape { variables, constants, instructions, slots: slots.len() as u32, result: slots[result] }
+    }
+
+    /// The slots of what the operations give: variables first, then constants, then the rest.
+    fn slots(&self) -> Vec<u32> {
+        let kind = |operation: &Operation| match operation {
+            Operation::Variable(_) => 0,
+            Operation::Constant(_) => 1,
+            Operation::Unary(..) | Operation::Binary(..) => 2,
+        };
+        let mut order: Vec<usize> = (0..self.operations.len()).collect();
+        order.sort_by_key(|&i| kind(&self.operations[i]));
+        let mut slots = vec![0; order.len()];
+        for (slot, &i) in order.iter().enumerate() {
+            slots[i] = slot as u32;
+        }
+        slots
     }
 }
 

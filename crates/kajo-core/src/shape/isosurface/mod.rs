@@ -65,12 +65,16 @@ thread_local! {
     static CROSSINGS: cell::Cell<Crossings> = cell::Cell::default();
 }
 
-/// What a ray does within a cell.
+/// What a ray does within cells.
 struct Passage<'a> {
     parts: &'a Parts,
     line: &'a Ray64,
     /// Halvings left, so that no function takes forever: one that is zero but for rounding would.
     work: u32,
+    /// The value at a parameter where a cell ends and the next may begin.
+    last: Option<(f64, f64)>,
+    /// The farthest parameter up to which a cell was asked, and whether the line is inside there.
+    end: Option<(f64, bool)>,
 }
 
 /// More than that of a sum, in parts of its terms.
@@ -144,6 +148,11 @@ impl Parts {
     fn cap(&self, ray: &Ray, line: &Ray64, face: (f64, u32)) -> Option<Hit> {
         box_faces::cap(ray, line, face, |p| self.is_inside(p))
     }
+
+    /// A passage that no cell has been asked of.
+    fn passage<'a>(&'a self, line: &'a Ray64) -> Passage<'a> {
+        Passage { parts: self, line, work: MOST_WORK, last: None, end: None }
+    }
 }
 
 impl Passage<'_> {
@@ -170,17 +179,52 @@ impl Passage<'_> {
         SCRATCH.with_borrow_mut(|scratch| self.parts.function.at(&along, &mut scratch.bounds))
     }
 
-    /// Visits the changes of sign in a cell between two parameters in ascending order, until `visit` says that it is enough.
-    ///
-    /// * `at_a`: the value at the first
-    ///
-    /// Returns the value at the second, unless it was not asked for; and whether it was enough.
+    /// The hit of the face that the line enters by; the value there is that of the first cell, if that begins there.
+    fn front(&mut self, ray: &Ray, (t, face): (f64, u32)) -> Option<Hit> {
+        let single = in_range(ray, t)?;
+        let value = self.value(t);
+        self.last = Some((t, value));
+        self.end = Some((t, value < 0.0));
+        (value < 0.0).then(|| box_faces::on_face(single, face))
+    }
+
+    /// The hit of the face that the line leaves by, once all cells on the way have been asked: from the last of them on
+    /// the function has one sign.
+    fn back(&self, ray: &Ray, face: (f64, u32)) -> Option<Hit> {
+        match self.end {
+            Some((_, inside)) => box_faces::cap(ray, self.line, face, |_| inside),
+            None => self.parts.cap(ray, self.line, face),
+        }
+    }
+
+    /// Visits the changes of sign in a cell between two parameters in ascending order, until `visit` says that it is enough:
+    /// two parameters between which there is one, and a function that tells where. Returns whether it was enough.
     fn cross(
         &mut self,
         cell: &Cell,
         [a, b]: [f64; 2],
+        visit: &mut impl FnMut([f64; 2], &dyn Fn() -> f64) -> bool,
+    ) -> bool {
+        // Neighbours agree on the value between them.
+        let known = self.last.filter(|(t, _)| *t == a).map(|(_, value)| value);
+        let at_a = known.unwrap_or_else(|| self.value(a));
+        let (at_b, is_enough) = self.cross_from(cell, [a, b], at_a, visit);
+        self.last = at_b.map(|value| (b, value));
+        if self.end.is_none_or(|(t, _)| b > t) {
+            self.end = Some((b, at_b.unwrap_or(at_a) < 0.0));
+        }
+        is_enough
+    }
+
+    /// The same from a known value at `a` on.
+    ///
+    /// Returns the value at `b`, unless it was not asked for, as there is no change of sign; and whether it was enough.
+    fn cross_from(
+        &mut self,
+        cell: &Cell,
+        [a, b]: [f64; 2],
         at_a: f64,
-        visit: &mut impl FnMut(f64) -> bool,
+        visit: &mut impl FnMut([f64; 2], &dyn Fn() -> f64) -> bool,
     ) -> (Option<f64>, bool) {
         let [rise, most] = cell.slope_along(self.line.d);
         // As sharp as the bounds of the cell itself, but for this ray.
@@ -198,7 +242,7 @@ impl Passage<'_> {
                 true => self.steep_root([a, b], [at_a, at_b], least, curvature),
                 false => self.single_root([a, b], [at_a, at_b]),
             };
-            return (Some(at_b), changes && visit(root()));
+            return (Some(at_b), changes && visit([a, b], &root));
         }
         let curvature = cell.curvature_along(self.line.d);
         if curvature.is_finite() {
@@ -218,7 +262,7 @@ impl Passage<'_> {
         [a, b]: [f64; 2],
         [(at_a, slope_a), (at_b, slope_b)]: [(f64, f64); 2],
         curvature: f64,
-        visit: &mut impl FnMut(f64) -> bool,
+        visit: &mut impl FnMut([f64; 2], &dyn Fn() -> f64) -> bool,
     ) -> bool {
         let (changes, length) = ((at_a < 0.0) != (at_b < 0.0), b - a);
         if !changes && at_a.abs().min(at_b.abs()) > 0.125 * curvature * length * length {
@@ -227,7 +271,7 @@ impl Passage<'_> {
         let middle = 0.5 * (a + b);
         self.work = self.work.saturating_sub(1);
         if (slope_a + slope_b).abs() > curvature * length || is_narrow([a, b]) || self.work == 0 {
-            return changes && visit(self.single_root([a, b], [at_a, at_b]));
+            return changes && visit([a, b], &|| self.single_root([a, b], [at_a, at_b]));
         }
         let at_middle = self.value_and_slope(middle);
         self.bend([a, middle], [(at_a, slope_a), at_middle], curvature, visit)
@@ -239,7 +283,7 @@ impl Passage<'_> {
         &mut self,
         [a, b]: [f64; 2],
         [at_a, at_b]: [f64; 2],
-        visit: &mut impl FnMut(f64) -> bool,
+        visit: &mut impl FnMut([f64; 2], &dyn Fn() -> f64) -> bool,
     ) -> bool {
         let found = self.bounds([a, b]);
         let (value, slope) = (found.value, found.slopes[0]);
@@ -253,7 +297,7 @@ impl Passage<'_> {
         self.work = self.work.saturating_sub(1);
         let is_monotone = has_values && (slope.lo > 0.0 || slope.hi < 0.0);
         if is_narrow([a, b]) || is_monotone || self.work == 0 {
-            return changes && visit(self.single_root([a, b], [at_a, at_b]));
+            return changes && visit([a, b], &|| self.single_root([a, b], [at_a, at_b]));
         }
         let at_middle = self.value(middle);
         self.isolate([a, middle], [at_a, at_middle], visit)
@@ -324,25 +368,20 @@ impl Surface for Isosurface {
         let parts = &*self.0;
         let line = Ray64::new(ray);
         let faces = if parts.closed { parts.faces(&line) } else { None };
-        if let Some(front) = faces.and_then(|[front, _]| parts.cap(ray, &line, front)) {
+        let mut passage = parts.passage(&line);
+        if let Some(front) = faces.and_then(|[front, _]| passage.front(ray, front)) {
             return Some(front);
         }
         let mut nearest = None;
-        let mut passage = Passage { parts, line: &line, work: MOST_WORK };
-        let range = |far: f32| [f64::from(ray.t_min), f64::from(far)];
-        let mut before: Option<(f64, f64)> = None;
         parts.tree.closest(ray, |index, far| {
             let cell = &parts.cells[index];
-            let Some(piece) = parts.cells.clip(cell, &line, range(far)) else { return far };
-            // Neighbours agree on the value between them.
-            let known = before.filter(|(t, _)| *t == piece[0]).map(|(_, value)| value);
-            let at_a = known.unwrap_or_else(|| passage.value(piece[0]));
+            let range = [f64::from(ray.t_min), f64::from(far)];
+            let Some(piece) = parts.cells.clip(cell, &line, range) else { return far };
             let mut first = None;
-            let (at_b, _) = passage.cross(cell, piece, at_a, &mut |t| {
-                first = in_range(ray, t);
+            passage.cross(cell, piece, &mut |_, root| {
+                first = in_range(ray, root());
                 first.is_some()
             });
-            before = at_b.map(|value| (piece[1], value));
             match first {
                 Some(t) if t < far => {
                     nearest = Some(Hit { t, ..Hit::default() });
@@ -351,24 +390,27 @@ impl Surface for Isosurface {
                 _ => far,
             }
         });
-        nearest.or_else(|| faces.and_then(|[_, back]| parts.cap(ray, &line, back)))
+        nearest.or_else(|| faces.and_then(|[_, back]| passage.back(ray, back)))
     }
 
     fn blocks(&self, ray: &Ray) -> bool {
         let parts = &*self.0;
         let line = Ray64::new(ray);
         let faces = if parts.closed { parts.faces(&line) } else { None };
-        let mut passage = Passage { parts, line: &line, work: MOST_WORK };
+        let mut passage = parts.passage(&line);
         let range = [f64::from(ray.t_min), f64::from(ray.t_max)];
-        let is_capped = || faces.into_iter().flatten().any(|face| parts.cap(ray, &line, face).is_some());
-        is_capped()
+        faces.is_some_and(|[front, _]| passage.front(ray, front).is_some())
             || parts.tree.any(ray, |index| {
                 let cell = &parts.cells[index];
-                parts.cells.clip(cell, &line, range).is_some_and(|piece| {
-                    let at_a = passage.value(piece[0]);
-                    passage.cross(cell, piece, at_a, &mut |t| in_range(ray, t).is_some()).1
+                let piece = parts.cells.clip(cell, &line, range);
+                piece.is_some_and(|piece| {
+                    passage.cross(cell, piece, &mut |between, root| {
+                        let is_within = between.into_iter().all(|t| in_range(ray, t).is_some());
+                        is_within || in_range(ray, root()).is_some()
+                    })
                 })
             })
+            || faces.is_some_and(|[_, back]| passage.back(ray, back).is_some())
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
@@ -383,17 +425,12 @@ impl Surface for Isosurface {
             intervals.extend(interval.map(|interval| (interval, index)));
         });
         intervals.sort_unstable_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
-        let mut passage = Passage { parts, line: &line, work: MOST_WORK };
-        let mut before: Option<(f64, f64)> = None;
+        let mut passage = parts.passage(&line);
         for (interval, index) in intervals.drain(..) {
-            // Neighbours agree on the value between them.
-            let known = before.filter(|(t, _)| *t == interval[0]).map(|(_, value)| value);
-            let at_a = known.unwrap_or_else(|| passage.value(interval[0]));
-            let (at_b, _) = passage.cross(&parts.cells[index], interval, at_a, &mut |t| {
-                hits.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
+            passage.cross(&parts.cells[index], interval, &mut |_, root| {
+                hits.extend(in_range(ray, root()).map(|t| Hit { t, ..Hit::default() }));
                 false
             });
-            before = at_b.map(|value| (interval[1], value));
         }
         let faces = faces.into_iter().flatten();
         hits.extend(faces.filter_map(|face| parts.cap(ray, &line, face)));
@@ -410,7 +447,7 @@ impl Surface for Isosurface {
             let (p, p_error) = stored(p, self.0.reach);
             return SurfacePoint::flat(p, p_error, n.as_vec3());
         }
-        let [shortest, longest] = [1e-13, 1e-4].map(|part| part * self.0.reach);
+        let [shortest, short, longest] = [1e-13, 1e-6, 1e-4].map(|part| part * self.0.reach);
         let mut gradient = DVec3::ZERO;
         for step_number in 0..=STEPS {
             let value;
@@ -424,6 +461,10 @@ impl Surface for Isosurface {
             // Not across a jump of the function.
             if length < longest {
                 p -= step;
+            }
+            // The next step would be shorter than the square of that, and the normal turns by less than the point is known to.
+            if length < short {
+                break;
             }
         }
         let n = gradient.normalize_or(-Ray64::new(ray).d.normalize_or(DVec3::Z));

@@ -23,16 +23,14 @@ fn chebyshev() -> Isosurface {
 fn roots_of(surface: &Isosurface, o: DVec3, d: DVec3) -> Vec<f64> {
     let parts = &*surface.0;
     let line = Ray64 { o, d };
-    let mut passage = Passage { parts, line: &line, work: MOST_WORK };
     let faces = if parts.closed { parts.faces(&line) } else { None };
     let faces = faces.into_iter().flatten().map(|(t, _)| t);
     let mut found: Vec<f64> = faces.filter(|&t| parts.is_inside(line.at(t))).collect();
     for cell in parts.cells.iter() {
         let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
         if let Some(piece) = parts.cells.clip(cell, &line, everywhere) {
-            let at_a = passage.value(piece[0]);
-            passage.cross(cell, piece, at_a, &mut |t| {
-                found.push(t);
+            parts.passage(&line).cross(cell, piece, &mut |_, root| {
+                found.push(root());
                 false
             });
         }
