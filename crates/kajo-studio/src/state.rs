@@ -20,6 +20,7 @@ mod render_options;
 mod selection;
 mod sight;
 mod steps;
+mod textures;
 mod time_line;
 mod tracer;
 mod turntable;
@@ -63,6 +64,7 @@ use rays::Probing;
 use selection::Chosen;
 use sight::Sight;
 use steps::CameraSteps;
+use textures::FineTextures;
 use turntable::TurntableOrder;
 use worker::Worker;
 
@@ -157,6 +159,7 @@ pub struct Studio {
     /// Whether a trace is to begin once the scene is what the text says.
     wants_trace: bool,
     sight: Sight,
+    textures: FineTextures,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
     asking: Asking,
@@ -209,6 +212,7 @@ impl Studio {
             ordered: None,
             wants_trace: false,
             sight: Sight::new(Arc::clone(&wake)),
+            textures: FineTextures::new(Arc::clone(&wake)),
             previewer: Worker::new(Arc::clone(&wake), |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
             }),
@@ -291,6 +295,7 @@ impl Studio {
         if let Some(preview) = self.previewer.take_latest().filter(|(version, _)| version.0 == self.opened) {
             self.preview = Some(preview);
         }
+        self.refine_textures();
         self.look();
         self.take_rays();
         match self.turntable.take() {

@@ -47,6 +47,17 @@ impl Appearance {
         self.numbers.get(&material).copied().unwrap_or(0)
     }
 
+    /// Whether the classic reflection model of a material may differ from place to place, colours of meshes left out.
+    ///
+    /// Holes and reliefs change nothing of it, mixtures may.
+    pub fn varies(&self, material: MaterialId) -> bool {
+        if self.materials.constant(material).is_some() {
+            return false;
+        }
+        let parts = self.materials.parts(material);
+        parts.len() != 1 || self.varies(parts[0])
+    }
+
     /// The density of a medium at a world-space point, not negative; see [`crate::medium::Medium::density`].
     #[inline]
     pub fn density(&self, medium: MediumId, p: Vec3) -> f32 {
