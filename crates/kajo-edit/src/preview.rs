@@ -29,6 +29,8 @@ use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
 use chart::{Chart, Plan};
 
+pub(crate) use color::in_context as color_at;
+
 pub use atlas::Atlas;
 pub use lines::{Line, LineKind};
 pub use traced::TracedPreview;

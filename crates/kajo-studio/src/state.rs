@@ -20,6 +20,7 @@ mod render_options;
 mod selection;
 mod sight;
 mod steps;
+mod swatches;
 mod textures;
 mod time_line;
 mod tracer;
@@ -64,6 +65,7 @@ use rays::Probing;
 use selection::Chosen;
 use sight::Sight;
 use steps::CameraSteps;
+use swatches::Swatches;
 use textures::FineTextures;
 use turntable::TurntableOrder;
 use worker::Worker;
@@ -160,6 +162,7 @@ pub struct Studio {
     wants_trace: bool,
     sight: Sight,
     textures: FineTextures,
+    swatches: Swatches,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
     asking: Asking,
@@ -213,6 +216,7 @@ impl Studio {
             wants_trace: false,
             sight: Sight::new(Arc::clone(&wake)),
             textures: FineTextures::new(Arc::clone(&wake)),
+            swatches: Swatches::new(Arc::clone(&wake)),
             previewer: Worker::new(Arc::clone(&wake), |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
             }),
@@ -296,6 +300,7 @@ impl Studio {
             self.preview = Some(preview);
         }
         self.refine_textures();
+        self.draw_swatches();
         self.look();
         self.take_rays();
         match self.turntable.take() {

@@ -26,8 +26,13 @@ pub(super) fn of(scene: &Scene, material: MaterialId, p: Vec3) -> [u8; 4] {
 pub(super) fn at(scene: &Scene, at: &Interaction) -> Vec3 {
     match scene.constant(at.material) {
         Some(phong) => reflected(phong),
-        None => reflected(&scene.appearance.phong(at.material, &scene.texture_context(at))),
+        None => in_context(scene, at.material, &scene.texture_context(at)),
     }
+}
+
+/// What a material looks like where its textures are evaluated in a context, in linear RGB.
+pub(crate) fn in_context(scene: &Scene, material: MaterialId, at: &TextureContext) -> Vec3 {
+    reflected(&scene.appearance.phong(material, at))
 }
 
 /// A colour as it is shown: encoded in sRGB, and 255.
