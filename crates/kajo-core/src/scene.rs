@@ -14,7 +14,7 @@ use crate::texture::{TextureContext, TextureFootprint};
 use std::sync::{Arc, OnceLock};
 
 use kajo_color::Spectrum;
-use kajo_math::{Affine3, Ray};
+use kajo_math::{Affine3, Ray, Vec3};
 
 use crate::animation::{AnimatedModel, Animation};
 use crate::background::Background;
@@ -22,7 +22,7 @@ use crate::bsdf::Phong;
 use crate::camera::{Camera, NamedCamera};
 use crate::emission::VariedEmission;
 use crate::ids::ObjectId;
-use crate::interaction::{Hit, SurfaceUv};
+use crate::interaction::{Hit, SurfacePoint, SurfaceUv};
 use crate::light::{LightId, LightSampler, Lights};
 use crate::material::{Appearance, MaterialId};
 use crate::medium::{Fog, MediumId};
@@ -166,6 +166,26 @@ impl Scene {
     #[inline]
     pub fn constant(&self, material: MaterialId) -> Option<&Phong> {
         if self.geometry.has_vertex_colors { None } else { self.appearance.materials.constant(material) }
+    }
+
+    /// A point of the surface of an object at the moment 0 of the shutter, as a ray that meets it there would tell of it; `None` where
+    /// there is no such object. Its errors are 0, as no ray was rounded.
+    ///
+    /// * `part`: of the shape, as in [`Hit::part`]
+    /// * `p`: in the space of the shape, on its surface, or close to it, as points of a [`crate::shape::Tessellation`] are
+    /// * `n`: unit normal there, in the same space
+    pub fn surface_point(&self, object: ObjectId, part: u32, p: Vec3, n: Vec3) -> Option<Interaction> {
+        let (shape, own, map) = match self.geometry.primitives.get(object.index()) {
+            Some(placed) => (placed.shape, placed.material, self.geometry.transform_of(placed, 0.0)),
+            None => self
+                .geometry
+                .leaf(object)
+                .map(|leaf| (leaf.shape, leaf.material.unwrap_or_default(), leaf.world_from_object()))?,
+        };
+        let hit = self.geometry.shapes.hit_at(shape, part, p);
+        let point = SurfacePoint::flat(map.point(p), Vec3::ZERO, map.normal(n));
+        let material = self.material_at(shape, own, &hit);
+        Some(Interaction { point, hit, object, material, ..Interaction::default() })
     }
 
     /// The colour that light is multiplied by when it passes a crossing straight through.

@@ -10,11 +10,14 @@
 //!
 //! Every vertex and every instance has an object number, and their sum is the number of the id layers, counted from 1.
 
+mod atlas;
+mod chart;
 mod color;
 mod lines;
 mod traced;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use kajo_core::material::MaterialId;
 use kajo_core::scene::Scene;
@@ -24,6 +27,11 @@ use kajo_core::shape::{
 use kajo_core::{ElementContent, NestedElement, ObjectId, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
+use chart::{Chart, Plan};
+
+pub(crate) use color::in_context as color_at;
+
+pub use atlas::Atlas;
 pub use lines::{Line, LineKind};
 pub use traced::TracedPreview;
 
@@ -42,9 +50,22 @@ const NESTED_TRIANGLES: usize = 400_000;
 /// Fewest and most segments of a full circle.
 const AROUND: [u32; 2] = [4, 64];
 
+/// Triangles that show textures, at most: the others have one colour.
+const TEXTURED_TRIANGLES: usize = 400_000;
+
+/// Texels of all textures together, and of those of an object, about.
+const TEXELS: u32 = 1 << 21;
+const TEXELS_OF_AN_OBJECT: u32 = 1 << 18;
+
 /// How far the frames around the square of a plane reach, in sizes of that square. Each is so many times as large as the
 /// one before that numbers of single precision tell its corners from those of the triangles near the camera.
 const FRAMES: [f64; 5] = [1.0, 8.0, 64.0, 512.0, 4096.0];
+
+/// The same where textures are shown, whose texels are the larger the farther away they are.
+const TEXTURED_FRAMES: [f64; 9] = [0.125, 0.25, 0.5, 1.0, 2.0, 8.0, 64.0, 512.0, 4096.0];
+
+/// Within this part of the square of a plane the texels of its textures are the smallest.
+const NEAR: f32 = 0.25;
 
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +88,9 @@ pub struct PreviewMesh {
     pub vertices: Vec<Vertex>,
     /// Three indices of vertices for each triangle.
     pub indices: Vec<u32>,
+    /// Where each vertex is in [`Preview::atlas`], in texels from its left upper corner, and by whose colour that of the vertex is
+    /// multiplied there; empty where there are no textures.
+    pub texels: Vec<[f32; 2]>,
 }
 
 /// A mesh at its place in the world.
@@ -96,6 +120,8 @@ pub struct Preview {
     /// Whether boxes stand for nested instances of which there are too many. What is picked is not what is drawn then, and
     /// a [`TracedPreview`] shows what is.
     pub has_boxes: bool,
+    /// The textures of surfaces that show any, coarse; [`Atlas::refined`] makes a finer one. `None` where none does.
+    pub atlas: Option<Arc<Atlas>>,
 }
 
 impl Preview {
@@ -141,6 +167,11 @@ struct Builder<'a> {
     parts: HashMap<ShapeId, Vec<(u32, Option<MaterialId>)>>,
     meshes: Vec<PreviewMesh>,
     instances: Vec<PreviewInstance>,
+    /// What shows textures, and how many triangles that is.
+    charts: Vec<Chart>,
+    textured_triangles: usize,
+    /// Shapes with textures of their own, and without.
+    brings_textures: HashMap<ShapeId, bool>,
 }
 
 impl<'a> Builder<'a> {
@@ -164,6 +195,9 @@ impl<'a> Builder<'a> {
             parts: HashMap::new(),
             meshes: Vec::new(),
             instances: Vec::new(),
+            charts: Vec::new(),
+            textured_triangles: 0,
+            brings_textures: HashMap::new(),
         }
     }
 
@@ -176,6 +210,9 @@ impl<'a> Builder<'a> {
 
     fn add(&mut self, object: u32, id: ShapeId, transform: &Transform, material: MaterialId) {
         let scene = self.scene;
+        if self.add_textured(object, id, transform, material) {
+            return;
+        }
         let world_from_object = transform.world_from_object;
         if let Some(sphere) = Sphere::find(&scene.geometry.shapes, id) {
             let mesh = self.unit_sphere();
@@ -187,15 +224,61 @@ impl<'a> Builder<'a> {
                 self.instance(part, object, world_from_object, own.unwrap_or(material));
             }
         } else {
-            let mut triangles = Tessellation::default();
-            match Plane::find(&scene.geometry.shapes, id) {
-                Some(plane) => self.square(plane, transform, &mut triangles),
-                None => scene.geometry.shapes.tessellate(id, self.around, &mut triangles),
-            }
+            let (triangles, _) = self.tessellated(id, transform, &FRAMES);
             let own = |part: u32| scene.geometry.shapes.material_slot(id, part);
             let of_part = |part: u32| own(part).map_or(material, |slot| scene.appearance.slots[slot.index()]);
             self.add_single(object, of_part, transform, &triangles);
         }
+    }
+
+    /// The triangles of a shape, and of a plane what [`Builder::square`] returns.
+    ///
+    /// * `frames`: of planes; see [`FRAMES`]
+    fn tessellated(
+        &self,
+        id: ShapeId,
+        transform: &Transform,
+        frames: &[f64],
+    ) -> (Tessellation, Option<(Vec3, f32)>) {
+        let shapes = &self.scene.geometry.shapes;
+        let mut triangles = Tessellation::default();
+        let near = match Plane::find(shapes, id) {
+            Some(plane) => self.square(plane, transform, frames, &mut triangles),
+            None => {
+                shapes.tessellate(id, self.around, &mut triangles);
+                None
+            }
+        };
+        (triangles, near)
+    }
+
+    /// Adds an object whose surfaces show textures, if they do and there are not too many of them; whether it was added.
+    fn add_textured(
+        &mut self,
+        object: u32,
+        id: ShapeId,
+        transform: &Transform,
+        material: MaterialId,
+    ) -> bool {
+        let shows_textures = self.scene.appearance.varies(material) || self.brings_textures(id);
+        let Some(object) = ObjectId::from_number(object).filter(|_| shows_textures) else { return false };
+        if self.textured_triangles + self.cost(id) > TEXTURED_TRIANGLES {
+            return false;
+        }
+        let (triangles, near) = self.tessellated(id, transform, &TEXTURED_FRAMES);
+        self.textured_triangles += triangles.faces.len();
+        self.charts.push(Chart { object, world_from_object: *transform, triangles, near });
+        true
+    }
+
+    /// Whether a shape has colours at its corners, or parts with textures of their own.
+    fn brings_textures(&mut self, id: ShapeId) -> bool {
+        let (shapes, appearance) = (&self.scene.geometry.shapes, &self.scene.appearance);
+        *self.brings_textures.entry(id).or_insert_with(|| {
+            let own = |part: u32| shapes.material_slot(id, part).map(|slot| appearance.slots[slot.index()]);
+            let varies = |part: u32| own(part).is_some_and(|material| appearance.varies(material));
+            shapes.has_colors(id) || (0..shapes.part_count(id)).any(varies)
+        })
     }
 
     fn add_element(&mut self, element: &NestedElement) {
@@ -237,7 +320,8 @@ impl<'a> Builder<'a> {
             [low, low | a, low | a | b, low, low | a | b, low | b]
         };
         let indices = (0..3).flat_map(|axis| [side(axis, 0), side(axis, 1)]).flatten().collect();
-        let mesh = self.push(PreviewMesh { vertices: (0..8).map(corner).collect(), indices });
+        let mesh =
+            self.push(PreviewMesh { vertices: (0..8).map(corner).collect(), indices, texels: Vec::new() });
         *self.unit_cube.insert(mesh)
     }
 
@@ -249,7 +333,8 @@ impl<'a> Builder<'a> {
         let mut triangles = Tessellation::default();
         Sphere::new(Vec3::ZERO, 1.0).tessellate(self.around, &mut triangles);
         let indices = triangles.faces.as_flattened().to_vec();
-        let mesh = self.push(PreviewMesh { vertices: white_vertices(&triangles), indices });
+        let mesh =
+            self.push(PreviewMesh { vertices: white_vertices(&triangles), indices, texels: Vec::new() });
         *self.unit_sphere.insert(mesh)
     }
 
@@ -275,7 +360,7 @@ impl<'a> Builder<'a> {
         let mut parts = Vec::with_capacity(materials.len());
         for material in materials {
             let indices = by_material.remove(&material).unwrap_or_default();
-            let part = PreviewMesh { vertices: vertices.clone(), indices };
+            let part = PreviewMesh { vertices: vertices.clone(), indices, texels: Vec::new() };
             parts.push((self.push(if material.is_none() { part } else { compact(part) }), material));
         }
         self.parts.insert(id, parts.clone());
@@ -331,11 +416,19 @@ impl<'a> Builder<'a> {
     }
 
     /// A square of a plane, large enough to hold the scene's shadow on it and the camera's, and around it frames that go
-    /// as far as one can see.
-    fn square(&self, plane: &Plane, to: &Transform, out: &mut Tessellation) {
+    /// as far as one can see. Returns the middle and half the side of what is to be seen close.
+    ///
+    /// * `frames`: see [`FRAMES`]
+    fn square(
+        &self,
+        plane: &Plane,
+        to: &Transform,
+        frames: &[f64],
+        out: &mut Tessellation,
+    ) -> Option<(Vec3, f32)> {
         let n = plane.normal();
         if n == Vec3::ZERO {
-            return;
+            return None;
         }
         let inverse = to.object_from_world;
         let onto = |p: Vec3| p - (n.dot(p) - plane.offset() as f32) * n;
@@ -348,28 +441,47 @@ impl<'a> Builder<'a> {
         let center = onto(near.center());
         let (s, t) = kajo_math::warp::basis(n);
         let reach = 2.0 * near.extent().length().max((near.center() - center).length()).max(1.0);
-        let [center, s, t] = [center, reach * s, reach * t].map(Vec3::as_dvec3);
-        let cells = 2 * FRAMES.len() as u32 - 1;
+        let [middle, s, t] = [center, reach * s, reach * t].map(Vec3::as_dvec3);
+        let cells = 2 * frames.len() as u32 - 1;
         let along = |share: f64| {
             let line = (share * f64::from(cells)).round() as usize;
-            match line.checked_sub(FRAMES.len()) {
-                Some(outward) => FRAMES[outward],
-                None => -FRAMES[FRAMES.len() - 1 - line],
+            match line.checked_sub(frames.len()) {
+                Some(outward) => frames[outward],
+                None => -frames[frames.len() - 1 - line],
             }
         };
-        out.grid(0, [cells; 2], |x, y| (center + along(x) * s + along(y) * t, n.as_dvec3()));
+        out.grid(0, [cells; 2], |x, y| (middle + along(x) * s + along(y) * t, n.as_dvec3()));
+        Some((center, NEAR * reach))
+    }
+
+    /// Adds the triangles that show textures, and returns these.
+    fn add_charts(&mut self) -> Option<Arc<Atlas>> {
+        let charts = std::mem::take(&mut self.charts);
+        let plan = Plan::new(charts, TEXELS, TEXELS_OF_AN_OBJECT);
+        let mesh = plan.mesh();
+        if mesh.indices.is_empty() {
+            return None;
+        }
+        self.push_single(mesh);
+        Some(Arc::new(Atlas::coarse(plan, self.scene)))
+    }
+
+    /// Adds a mesh in world space, whose vertices know their objects.
+    fn push_single(&mut self, mesh: PreviewMesh) {
+        let mesh = self.push(mesh);
+        let world_from_mesh = Affine3A::IDENTITY;
+        self.instances.push(PreviewInstance { mesh, world_from_mesh, color: [255; 4], object: 0 });
     }
 
     fn finish(mut self, lines: Vec<Line>) -> Preview {
         if !self.single.indices.is_empty() {
             let single = std::mem::take(&mut self.single);
-            let mesh = self.push(single);
-            let world_from_mesh = Affine3A::IDENTITY;
-            self.instances.push(PreviewInstance { mesh, world_from_mesh, color: [255; 4], object: 0 });
+            self.push_single(single);
         }
+        let atlas = self.add_charts();
         self.instances.sort_by_key(|instance| instance.mesh);
         let Builder { meshes, instances, bounds, has_boxes, .. } = self;
-        Preview { meshes, instances, lines, bounds, has_boxes }
+        Preview { meshes, instances, lines, bounds, has_boxes, atlas }
     }
 }
 
@@ -407,10 +519,12 @@ fn compact(mesh: PreviewMesh) -> PreviewMesh {
         *slot
     };
     let indices = mesh.indices.iter().map(|&i| slot_of(i)).collect();
-    PreviewMesh { vertices, indices }
+    PreviewMesh { vertices, indices, texels: Vec::new() }
 }
 
 #[cfg(test)]
 mod camera_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_tests;

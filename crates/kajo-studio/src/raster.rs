@@ -4,6 +4,8 @@
 //! lights in the scene. Meshes are stored once and drawn per instance. Lines have a width in pixels of the window;
 //! what surfaces hide of them shows faintly. What is selected has an outline, found in a mask of its pixels.
 //!
+//! Surfaces with textures are drawn with a picture of all of these, in which each triangle has its part.
+//!
 //! The picture is drawn onto a [`Sheet`] of its own, with a depth buffer, and the window's [`Canvas`] shows it. It is
 //! drawn anew only when something in it has changed.
 
@@ -17,7 +19,7 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use egui_wgpu::RenderState;
-use kajo_edit::preview::Preview;
+use kajo_edit::preview::{Atlas, Preview};
 use kajo_math::{DMat3, Mat4, Vec3};
 use wgpu::util::DeviceExt as _;
 
@@ -133,7 +135,13 @@ impl Raster {
 
     /// Takes over a scene.
     pub fn set_scene(&mut self, preview: &Preview) {
-        self.scene = SceneBuffers::new(&self.device, preview);
+        self.scene = SceneBuffers::new(&self.device, &self.queue, &self.pipelines, preview);
+        self.drawn = None;
+    }
+
+    /// Takes over finer textures of the same scene; see [`Atlas::refined`].
+    pub fn set_textures(&mut self, atlas: &Atlas) {
+        self.scene.set_textures(&self.queue, atlas);
         self.drawn = None;
     }
 

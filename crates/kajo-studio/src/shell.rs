@@ -20,6 +20,7 @@ mod sight;
 mod stage;
 mod status;
 mod strip;
+mod swatch;
 mod text_editor;
 mod text_panel;
 pub mod theme;

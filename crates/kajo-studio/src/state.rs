@@ -20,6 +20,8 @@ mod render_options;
 mod selection;
 mod sight;
 mod steps;
+mod swatches;
+mod textures;
 mod time_line;
 mod tracer;
 mod turntable;
@@ -63,6 +65,8 @@ use rays::Probing;
 use selection::Chosen;
 use sight::Sight;
 use steps::CameraSteps;
+use swatches::Swatches;
+use textures::FineTextures;
 use turntable::TurntableOrder;
 use worker::Worker;
 
@@ -157,6 +161,8 @@ pub struct Studio {
     /// Whether a trace is to begin once the scene is what the text says.
     wants_trace: bool,
     sight: Sight,
+    textures: FineTextures,
+    swatches: Swatches,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
     asking: Asking,
@@ -209,6 +215,8 @@ impl Studio {
             ordered: None,
             wants_trace: false,
             sight: Sight::new(Arc::clone(&wake)),
+            textures: FineTextures::new(Arc::clone(&wake)),
+            swatches: Swatches::new(Arc::clone(&wake)),
             previewer: Worker::new(Arc::clone(&wake), |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
             }),
@@ -291,6 +299,8 @@ impl Studio {
         if let Some(preview) = self.previewer.take_latest().filter(|(version, _)| version.0 == self.opened) {
             self.preview = Some(preview);
         }
+        self.refine_textures();
+        self.draw_swatches();
         self.look();
         self.take_rays();
         match self.turntable.take() {

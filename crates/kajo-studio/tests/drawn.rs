@@ -160,3 +160,34 @@ fn a_kept_picture_is_left_of_the_wipe() {
     assert_eq!(same(0, width / 2 - 2), width / 2 - 2, "the left half is the picture kept");
     assert!(same(width / 2 + 2, width) < width / 20, "the right half is the new one");
 }
+
+/// Checks on the ball and the floor, which are left of the crate and below it; the crate stays green.
+#[test]
+fn the_preview_shows_textures() {
+    let Some(mut window) = window() else { return };
+    let scene = common::SCENE
+        .replace("Materials {", "Textures { Checks checks { size 0.5 } }\nMaterials {")
+        .replace("PhongMaterial grey { diffuseColor 0.5 0.5 0.5 }", "Matte grey { color checks }");
+    window.open(&scene);
+    window.wait(|studio| !studio.is_refining_textures());
+    window.frames(3);
+    assert!(window.studio().fine_textures().is_some());
+    let ([width, height], pixels) = viewport(&mut window);
+    // Along a row of the floor below the ball, where a square is some fifty pixels wide.
+    let row = &pixels[(width * (height - height / 8)) as usize..][..width as usize];
+    let (dark, bright) = row.iter().partition::<Vec<[u8; 3]>, _>(|[r, ..]| *r < 60);
+    assert!(dark.len() > 100 && bright.len() > 100, "{} dark, {} bright", dark.len(), bright.len());
+    let turns = row.windows(2).filter(|two| (two[0][0] < 60) != (two[1][0] < 60)).count();
+    assert!((4..40).contains(&turns), "{turns} edges in a row");
+    let green = pixels.iter().filter(|pixel| object_of(**pixel) == 2).count();
+    assert!(green > 10_000, "the crate has {green} pixels");
+    // An edit shows coarse textures first, and fine ones a moment later.
+    window.select("floor");
+    let floor = window.studio().selection.main().unwrap();
+    let (key, value) = ("offset".to_owned(), kajo_edit::FieldValue::numbers([-1.5]));
+    let before = window.studio().fine_textures().cloned();
+    window.studio().apply(Action::SetField { node: floor, key, nth: 0, value });
+    window.wait(|studio| studio.preview_is_current() && !studio.is_compiling());
+    window.wait(|studio| !studio.is_refining_textures());
+    assert!(window.studio().fine_textures().is_some() && window.studio().fine_textures().cloned() != before);
+}

@@ -187,3 +187,35 @@ fn ramps_are_edited_by_their_bar() {
     window.frames(5);
     assert_eq!(window.text(), RAMP);
 }
+
+/// A texture, a material that shows it and a field that names it have pictures of it in the panel; a plain material has none.
+#[test]
+fn textures_have_swatches() {
+    let scene = SCENE
+        .replace("Materials {", "Textures { Checks checks { size 0.5 } }\nMaterials {")
+        .replace("PhongMaterial grey { diffuseColor 0.5 0.5 0.5 }", "Matte grey { color checks }");
+    let mut window = Window::with(&scene, false);
+    let swatches = |window: &mut Window, name: &str, labels: &[(&str, usize)]| {
+        window.select(name);
+        window.wait(|studio| !studio.is_drawing_swatches());
+        window.frames(3);
+        for (label, count) in labels {
+            let found = window.harness.query_all_by_label(label).count();
+            assert_eq!(found, *count, "{label} with {name} selected");
+        }
+    };
+    swatches(&mut window, "checks", &[("Swatch of checks", 1), ("Swatch of grey", 0)]);
+    swatches(&mut window, "grey", &[("Swatch of checks", 1), ("Swatch of grey", 1)]);
+    swatches(&mut window, "floor", &[("Swatch of checks", 1), ("Swatch of grey", 1)]);
+    swatches(&mut window, "ball", &[("Swatch of checks", 0), ("Swatch of red", 0)]);
+    // It follows an edit.
+    swatches(&mut window, "checks", &[("Swatch of checks", 1)]);
+    let node = window.studio().selection.main().unwrap();
+    let before = window.studio().swatch_of(node).cloned().unwrap();
+    let (key, value) = ("size".to_owned(), FieldValue::numbers([4.0]));
+    window.studio().apply(Action::SetField { node, key, nth: 0, value });
+    window.settle();
+    window.wait(|studio| !studio.is_drawing_swatches());
+    let after = window.studio().swatch_of(node).cloned().unwrap();
+    assert!(after.width > before.width, "{:?} {:?}", before.width, after.width);
+}

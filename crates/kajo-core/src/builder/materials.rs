@@ -1,13 +1,15 @@
 //! Materials and what they are made of.
 
+use std::collections::HashMap;
+
 use super::{SceneBuilder, SceneError, check_finite};
 use crate::emission::SurfaceEmission;
 use crate::ids::MaterialSlot;
 use crate::light::LightGroups;
 use crate::material::{AnyMaterial, Appearance, MaterialId, Perforated};
 use crate::texture::{
-    AnyColorNode, AnyFloatNode, AnyTexture, Channel, ColorTexture, FloatTexture, PictureChannel, PictureMap,
-    Textures,
+    AnyColorNode, AnyFloatNode, AnyTexture, Channel, ColorTexture, FloatTexture, NamedTexture,
+    PictureChannel, PictureMap, Textures,
 };
 
 impl SceneBuilder {
@@ -134,6 +136,11 @@ impl SceneBuilder {
     /// Gives a material its number in the id layers, the next one.
     pub(crate) fn list_material(&mut self, material: MaterialId, name: Option<String>) {
         self.appearance.list.push((material, name));
+    }
+
+    /// Keeps the textures that have names, for whoever asks for one.
+    pub(crate) fn name_textures(&mut self, named: HashMap<String, NamedTexture>) {
+        self.appearance.named_textures = named;
     }
 
     /// Makes surfaces of a material give light; before others are made of it.

@@ -388,3 +388,49 @@ fn a_picture_mixes_materials_and_their_light() {
     }
     assert!(met.contains(&true) && met.contains(&false));
 }
+
+/// What is said of a point that no ray has met is what is said of one that a ray meets.
+#[test]
+fn a_point_of_a_surface_has_the_textures_that_a_ray_finds_there() {
+    let mut builder = SceneBuilder::default();
+    let checker = builder.float_texture(Checker).unwrap();
+    let [first, second] = [0.2, 0.6].map(|albedo| builder.material(matte(albedo)).unwrap());
+    let material = builder.material(Blend { amount: checker, materials: [first, second] }).unwrap();
+    let shape = builder.shape(ball(2.0)).unwrap();
+    let map = DAffine3::from_translation(DVec3::new(0.3, 0.1, 0.0))
+        * DAffine3::from_scale(DVec3::new(1.0, 1.5, 1.0));
+    let pose = builder.transform(&map).unwrap();
+    let object = builder.object(shape, material, pose).unwrap();
+    builder.camera(camera(0.5)).unwrap();
+    let scene = builder.finish(Settings::default()).unwrap();
+    for (x, y) in [(0.0, 0.0), (0.7, 0.4), (-0.9, 1.7), (1.3, -1.2)] {
+        let event = scene.trace(&Ray::new(Vec3::new(x, y, 9.0), Vec3::NEG_Z));
+        let met = event.surface().unwrap();
+        let own = scene.geometry.transform_of(&scene.geometry.primitives[0], 0.0).object_from_world;
+        let p = own.transform_point3(met.point.p);
+        let at = scene.surface_point(object, met.hit.part, p, p.normalize()).unwrap();
+        assert!(at.point.p.distance(met.point.p) < 1e-5 && at.point.n.distance(met.point.n) < 1e-5);
+        assert_eq!((at.object, at.material), (met.object, met.material));
+        let [told, found] = [&at, met]
+            .map(|at| scene.appearance.phong(at.material, &scene.texture_context(at)).diffuse.to_rgb());
+        assert_eq!(told, found);
+    }
+    assert!(scene.surface_point(ObjectId::from_index(1), 0, Vec3::ZERO, Vec3::X).is_none());
+}
+
+#[test]
+fn a_material_varies_where_its_colours_do() {
+    let mut builder = SceneBuilder::default();
+    let heights = builder.float_texture(Checker).unwrap();
+    let [first, second] = [0.2, 0.6].map(|albedo| builder.material(matte(albedo)).unwrap());
+    let relief = Relief::Heights { heights, height: 0.1 };
+    let embossed = builder.material(Embossed { material: first, relief }).unwrap();
+    let mixed = builder.material(Blend { amount: heights, materials: [first, second] }).unwrap();
+    let holes = builder.material(Perforated { material: mixed, opacity: heights }).unwrap();
+    let object = builder.shape(ball(1.0)).unwrap();
+    builder.object(object, holes, PoseId::IDENTITY).unwrap();
+    builder.camera(camera(0.5)).unwrap();
+    let scene = builder.finish(Settings::default()).unwrap();
+    let varies = [first, embossed, mixed, holes].map(|material| scene.appearance.varies(material));
+    assert_eq!(varies, [false, false, true, true]);
+}

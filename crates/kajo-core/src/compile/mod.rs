@@ -371,7 +371,7 @@ impl<'a> Compiler<'a> {
     }
 
     /// The scene, but for the cameras of the text.
-    fn finish(self, settings: Settings, has_group: bool) -> Option<Scene> {
+    fn finish(mut self, settings: Settings, has_group: bool) -> Option<Scene> {
         let output = Output {
             camera: camera::none(),
             fitted: None,
@@ -384,6 +384,8 @@ impl<'a> Compiler<'a> {
             animated_models: self.animated_models,
             suited: OnceLock::new(),
         };
+        let named = self.texture_names.into_iter();
+        self.scene.name_textures(named.filter_map(|(name, texture)| Some((name, texture?))).collect());
         let scene = self.scene.finish_with(output);
         let report = |error: &SceneError| self.diagnostics.push(Diagnostic::error(error.to_string()));
         scene.inspect_err(report).ok()

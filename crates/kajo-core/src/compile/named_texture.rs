@@ -2,38 +2,11 @@
 
 use std::collections::HashMap;
 
-use kajo_color::Reflectance;
 use kajo_scene::{Diagnostic, Diagnostics, Item};
 
-use crate::texture::{ColorTexture, FloatTexture, Grey, Lightness, Textures};
+use crate::texture::FloatTexture;
 
-/// A texture that is a number or a colour.
-#[derive(Clone, Debug)]
-pub(super) enum NamedTexture {
-    Float(FloatTexture),
-    Color(ColorTexture),
-}
-
-impl NamedTexture {
-    /// The number; of a colour how light it is.
-    pub fn number(&self, nodes: &mut Textures) -> Option<FloatTexture> {
-        match self {
-            NamedTexture::Float(texture) => Some(*texture),
-            NamedTexture::Color(color) => nodes.float(Lightness(color.clone())),
-        }
-    }
-
-    /// The colour; of a number the grey.
-    pub fn color(&self, nodes: &mut Textures) -> Option<ColorTexture> {
-        match self {
-            NamedTexture::Float(FloatTexture::Constant(value)) => {
-                Some(Reflectance::from_rgb([*value; 3]).into())
-            }
-            NamedTexture::Float(texture) => nodes.color(Grey::reflectance(*texture)),
-            NamedTexture::Color(color) => Some(color.clone()),
-        }
-    }
-}
+pub(super) use crate::texture::NamedTexture;
 
 /// Textures by their names; `None` for one that was wrong, which has been reported.
 pub(super) type TextureNames = HashMap<String, Option<NamedTexture>>;

@@ -6,7 +6,7 @@ use kajo_math::Vec3;
 
 use super::{MaterialId, Materials};
 use crate::medium::{Media, MediumId};
-use crate::texture::Textures;
+use crate::texture::{NamedTexture, Textures};
 
 /// Materials, and what they are made of: what any of them is asked in.
 #[derive(Debug, Default)]
@@ -19,6 +19,8 @@ pub struct Appearance {
     pub media: Media,
     /// Every material of the file, in its order, with its name. Number `i + 1` of the id layers is entry `i`.
     pub list: Vec<(MaterialId, Option<String>)>,
+    /// The textures of the file that have names.
+    pub named_textures: HashMap<String, NamedTexture>,
     /// Materials of mesh parts, by [`crate::shape::Surface::material_slot`].
     pub slots: Vec<MaterialId>,
     /// Whether any material shows a picture, so that it has to know surface coordinates.
@@ -45,6 +47,17 @@ impl Appearance {
     /// that came with a mesh.
     pub fn number(&self, material: MaterialId) -> u32 {
         self.numbers.get(&material).copied().unwrap_or(0)
+    }
+
+    /// Whether the classic reflection model of a material may differ from place to place, colours of meshes left out.
+    ///
+    /// Holes and reliefs change nothing of it, mixtures may.
+    pub fn varies(&self, material: MaterialId) -> bool {
+        if self.materials.constant(material).is_some() {
+            return false;
+        }
+        let parts = self.materials.parts(material);
+        parts.len() != 1 || self.varies(parts[0])
     }
 
     /// The density of a medium at a world-space point, not negative; see [`crate::medium::Medium::density`].

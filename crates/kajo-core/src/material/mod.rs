@@ -228,6 +228,8 @@ family! {
             of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
             textures: &mut Textures,
         ) -> Option<SurfaceEmission>;
+        /// See [`Material::parts`].
+        fn parts() -> &[MaterialId];
         /// See [`Material::constant`].
         fn constant() -> Option<&Phong>;
         /// See [`Material::is_mixture`].

@@ -8,12 +8,18 @@ fn scene(group: &str) -> Scene {
 
 /// A scene whose instances are nested where they make more than a sixteenth of `objects`.
 fn limited_scene(group: &str, objects: usize) -> Scene {
+    let materials = "Materials { Material { diffuseColor 1 0 0 } Material { diffuseColor 0 0 1 } }";
+    scene_of(materials, group, objects)
+}
+
+/// A scene of a block of materials, and blocks in its group; see [`limited_scene`].
+pub(super) fn scene_of(materials: &str, group: &str, objects: usize) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 1 9 direction 0 0 -1 up 0 1 0 angle 40 }}
          Lights {{ PointLight {{ position 0 5 0 color 1 0 0 }}
                    SpotLight {{ position 1 5 0 direction 0 -1 0 color 1 1 1 angle 60 }}
                    DirectionalLight {{ direction -1 -1 -1 color 1 1 1 }} }}
-         Materials {{ Material {{ diffuseColor 1 0 0 }} Material {{ diffuseColor 0 0 1 }} }}
+         {materials}
          Group {{ {group} }}"
     );
     let two = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n";

@@ -125,7 +125,7 @@ impl TracedPreview {
 
 fn hit(scene: &Scene, ray: &Ray) -> Option<PixelHit> {
     let (at, point) = scene.trace_snapshot(ray)?;
-    let [r, g, b, _] = color::of(scene, at.material, at.point.p);
+    let [r, g, b, _] = color::encoded(color::at(scene, &at));
     let light = 0.28 + 0.72 * point.n.dot(ray.d).abs().min(1.0);
     let color = [r, g, b].map(|v| (f32::from(v) * light).round() as u8);
     Some(PixelHit { color, object: at.object.number(), distance: at.hit.t })

@@ -1,6 +1,6 @@
 //! How the graphics card draws surfaces, lines, the mask of the selection and its outline.
 
-use super::vertices::{InstanceTransform, LineInstance, Vertex};
+use super::vertices::{AtlasPlace, InstanceTransform, LineInstance, Vertex};
 
 /// Format of the picture: values as shown, which is what the window expects.
 pub(super) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -14,6 +14,8 @@ pub(super) struct Pipelines {
     pub surfaces: wgpu::RenderPipeline,
     /// Surfaces whose triangles have no normals at their corners.
     pub flat_surfaces: wgpu::RenderPipeline,
+    /// Surfaces that show a part of the picture of all textures.
+    pub textured_surfaces: wgpu::RenderPipeline,
     pub marks: wgpu::RenderPipeline,
     pub lines: wgpu::RenderPipeline,
     /// Lines where a surface is in front of them.
@@ -22,12 +24,15 @@ pub(super) struct Pipelines {
     /// The view, for all but the outline.
     pub view_group: wgpu::BindGroup,
     outline_layout: wgpu::BindGroupLayout,
+    atlas_layout: wgpu::BindGroupLayout,
+    atlas_sampler: wgpu::Sampler,
 }
 
 const CORNERS: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Unorm8x4];
 const TRANSFORMS: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Unorm8x4];
+const TEXELS: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![7 => Unorm16x2];
 const LINES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4, 2 => Unorm8x4];
 
@@ -56,26 +61,35 @@ impl Pipelines {
         let shader = device.create_shader_module(wgpu::include_wgsl!("raster.wgsl"));
         let view_layout = group_layout(device, &[view_entry()]);
         let outline_layout = group_layout(device, &[view_entry(), mask_entry()]);
+        let atlas_layout = group_layout(device, &atlas_entries());
         let view_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("view"),
             layout: &view_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
         });
-        let of_surfaces = [
+        let of_textured = [
             Some(layout_of::<Vertex>(wgpu::VertexStepMode::Vertex, &CORNERS)),
             Some(layout_of::<InstanceTransform>(wgpu::VertexStepMode::Instance, &TRANSFORMS)),
+            Some(layout_of::<AtlasPlace>(wgpu::VertexStepMode::Vertex, &TEXELS)),
         ];
+        let of_surfaces = &of_textured[..2];
         let of_lines = [Some(layout_of::<LineInstance>(wgpu::VertexStepMode::Instance, &LINES))];
         let surfaces = Plan {
             vertex: "project_surface",
             fragment: "shade_surface",
-            buffers: &of_surfaces,
+            buffers: of_surfaces,
             strip: false,
             target: COLOR,
             blend: None,
             depth: Some((wgpu::CompareFunction::Less, true)),
         };
         let flat_surfaces = Plan { vertex: "project_flat", fragment: "shade_flat", ..surfaces };
+        let textured_surfaces = Plan {
+            vertex: "project_textured",
+            fragment: "shade_textured",
+            buffers: &of_textured,
+            ..surfaces
+        };
         let marks = Plan { fragment: "mark_surface", target: MASK, depth: None, ..flat_surfaces };
         let lines = Plan {
             vertex: "project_line",
@@ -98,17 +112,42 @@ impl Pipelines {
             depth: None,
             ..surfaces
         };
-        let make = |plan: &Plan<'_>, layout| plan.build(device, &shader, layout);
+        let build = |plan: &Plan<'_>, layouts: &[Option<&wgpu::BindGroupLayout>]| {
+            plan.build(device, &shader, layouts)
+        };
+        let make = |plan, layout| build(plan, &[Some(layout)]);
         Pipelines {
             surfaces: make(&surfaces, &view_layout),
             flat_surfaces: make(&flat_surfaces, &view_layout),
+            textured_surfaces: build(&textured_surfaces, &[Some(&view_layout), Some(&atlas_layout)]),
             marks: make(&marks, &view_layout),
             lines: make(&lines, &view_layout),
             hidden_lines: make(&hidden_lines, &view_layout),
             outline: make(&outline, &outline_layout),
             view_group,
             outline_layout,
+            atlas_layout,
+            atlas_sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
         }
+    }
+
+    /// What textured surfaces read: the picture of all textures.
+    pub fn atlas_group(&self, device: &wgpu::Device, atlas: &wgpu::TextureView) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("textures"),
+            layout: &self.atlas_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(atlas) },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::Sampler(&self.atlas_sampler),
+                },
+            ],
+        })
     }
 
     /// What the outline reads: the view and the mask.
@@ -134,11 +173,11 @@ impl Plan<'_> {
         &self,
         device: &wgpu::Device,
         shader: &wgpu::ShaderModule,
-        group: &wgpu::BindGroupLayout,
+        groups: &[Option<&wgpu::BindGroupLayout>],
     ) -> wgpu::RenderPipeline {
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(self.vertex),
-            bind_group_layouts: &[Some(group)],
+            bind_group_layouts: groups,
             immediate_size: 0,
         });
         let topology = match self.strip {
@@ -182,6 +221,21 @@ impl Plan<'_> {
 
 fn group_layout(device: &wgpu::Device, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
+}
+
+fn atlas_entries() -> [wgpu::BindGroupLayoutEntry; 2] {
+    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty,
+        count: None,
+    };
+    let picture = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: true },
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
+    [entry(0, picture), entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering))]
 }
 
 fn view_entry() -> wgpu::BindGroupLayoutEntry {

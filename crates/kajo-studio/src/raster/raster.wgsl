@@ -34,6 +34,16 @@ struct FlatSurface {
     @location(0) @interpolate(flat) color: vec3<f32>,
 }
 
+// Its triangles show a part of the picture of all textures.
+struct TexturedSurface {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) texel: vec2<f32>,
+    @location(1) n: vec3<f32>,
+}
+
+@group(1) @binding(0) var atlas: texture_2d<f32>;
+@group(1) @binding(1) var atlas_sampling: sampler;
+
 struct Corner {
     @location(0) p: vec3<f32>,
     @location(1) n: vec4<f32>,
@@ -53,18 +63,31 @@ fn clip_of(p: vec3<f32>, to: InstanceTransform) -> vec4<f32> {
     return view.clip_from_world * vec4<f32>(world, 1.0);
 }
 
-@vertex
-fn project_surface(corner: Corner, to: InstanceTransform) -> Surface {
-    // Normals go by the cofactors of the matrix, its inverse transposed up to a factor.
+// Normals go by the cofactors of the matrix, its inverse transposed up to a factor.
+fn normal_of(n: vec3<f32>, to: InstanceTransform) -> vec3<f32> {
     let cofactors = mat3x3<f32>(
         cross(to.row1.xyz, to.row2.xyz),
         cross(to.row2.xyz, to.row0.xyz),
         cross(to.row0.xyz, to.row1.xyz),
     );
+    return n * cofactors;
+}
+
+@vertex
+fn project_surface(corner: Corner, to: InstanceTransform) -> Surface {
     var out: Surface;
     out.clip = clip_of(corner.p, to);
     out.color = corner.color.rgb * to.tint.rgb;
-    out.n = corner.n.xyz * cofactors;
+    out.n = normal_of(corner.n.xyz, to);
+    return out;
+}
+
+@vertex
+fn project_textured(corner: Corner, to: InstanceTransform, @location(7) texel: vec2<f32>) -> TexturedSurface {
+    var out: TexturedSurface;
+    out.clip = clip_of(corner.p, to);
+    out.texel = texel;
+    out.n = normal_of(corner.n.xyz, to);
     return out;
 }
 
@@ -94,6 +117,14 @@ fn shade_surface(in: Surface) -> @location(0) vec4<f32> {
     let way = way_to(in.clip);
     let flat_n = cross(dpdx(way), dpdy(way));
     return lit(in.color, select(in.n, flat_n, dot(in.n, in.n) == 0.0), way);
+}
+
+@fragment
+fn shade_textured(in: TexturedSurface) -> @location(0) vec4<f32> {
+    let way = way_to(in.clip);
+    let flat_n = cross(dpdx(way), dpdy(way));
+    let color = textureSampleLevel(atlas, atlas_sampling, in.texel, 0.0).rgb;
+    return lit(color, select(in.n, flat_n, dot(in.n, in.n) == 0.0), way);
 }
 
 @fragment

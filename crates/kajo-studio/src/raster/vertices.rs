@@ -16,6 +16,14 @@ pub(super) struct Vertex {
     pub color: [u8; 4],
 }
 
+/// Where a corner is in the picture of all textures.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct AtlasPlace {
+    /// From the left and from the top, in parts of the whole times 65535.
+    pub share: [u16; 2],
+}
+
 /// Where a mesh stands, and a colour that its own is multiplied with.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

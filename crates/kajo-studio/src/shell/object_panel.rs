@@ -8,7 +8,7 @@ use egui::{
 use kajo_edit::{Document, Field, FieldKind, FieldValue, Keying, Kind, Node, NodeId, Ramp, RampStop};
 
 use super::widgets::{choice, color, rows, tidy};
-use super::{ramp, theme};
+use super::{ramp, swatch, theme};
 use crate::state::{Action, Selection, Studio};
 
 /// How strongly what is not set is painted.
@@ -24,6 +24,7 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     };
     head(ui, node, selection, actions);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        picture(ui, studio, node);
         fields(ui, studio, document, node, actions);
         if let Some(material) = document.material_of(node.id).and_then(|id| document.node(id))
             && material.id != node.id
@@ -31,6 +32,7 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
             ui.add_space(8.0);
             ui.separator();
             material_head(ui, document, material, actions);
+            picture(ui, studio, material);
             ui.push_id("material", |ui| fields(ui, studio, document, material, actions));
         }
     });
@@ -57,6 +59,13 @@ fn head(ui: &mut Ui, node: &Node, selection: &Selection, actions: &mut Vec<Actio
         }
     });
     ui.add_space(6.0);
+}
+
+/// A picture of a texture, or of a material with textures.
+fn picture(ui: &mut Ui, studio: &Studio, node: &Node) {
+    if let Some(of_node) = studio.swatch_of(node.id) {
+        swatch::large(ui, of_node, node.name.as_deref().unwrap_or(&node.keyword));
+    }
 }
 
 /// The name of the material, and a list of all to paint with another.
@@ -118,6 +127,13 @@ fn row(ui: &mut Ui, studio: &Studio, node: NodeId, field: &Field, actions: &mut 
         ui.horizontal(|ui| {
             if !is_written {
                 ui.multiply_opacity(DIM);
+            }
+            if let Some(named) = studio.swatch_in(field) {
+                swatch::small(
+                    ui,
+                    named,
+                    field.value.as_ref().and_then(|v| v.word.as_deref()).unwrap_or(&field.key),
+                );
             }
             if let Some(value) = value_of_row(ui, field, label.id) {
                 actions.push(Action::SetField { node, key: field.key.clone(), nth: field.nth, value });

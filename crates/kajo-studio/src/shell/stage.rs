@@ -19,6 +19,8 @@ pub struct Stage {
     raster: Raster,
     /// The version of the scene that the card has.
     on_card: Option<Version>,
+    /// Whether its textures are as fine as they get.
+    has_fine_textures: bool,
     /// The preview that rays make.
     seen: SightPainter,
     picture: TracedPicture,
@@ -34,6 +36,7 @@ impl Stage {
         Stage {
             raster: Raster::new(card),
             on_card: None,
+            has_fine_textures: false,
             seen: SightPainter::default(),
             picture: TracedPicture::default(),
             kept_picture: TracedPicture::default(),
@@ -60,6 +63,11 @@ impl Stage {
         {
             self.raster.set_scene(preview);
             self.on_card = Some(*version);
+            self.has_fine_textures = false;
+        }
+        if let Some(textures) = studio.fine_textures().filter(|_| !self.has_fine_textures) {
+            self.raster.set_textures(textures);
+            self.has_fine_textures = true;
         }
         let scale = ui.pixels_per_point();
         let pixels = area.rect.size() * scale;
