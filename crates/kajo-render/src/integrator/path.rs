@@ -61,9 +61,9 @@ use crate::{LayerSet, PixelSample, SampleContext, Setup, SetupError, WithState};
 pub use guiding::GuidedPath;
 pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
-pub(super) use tracer::power_heuristic;
 pub(super) use tracer::{CameraPath, DiffuseVertex, Indirect, IndirectLight, Leaving, PathTracer, Worth};
 use tracer::{Casters, Fork, Sampled, ThroughGlass};
+pub(super) use tracer::{power_heuristic, weight_of_collision};
 
 /// The path tracer over one scene and one picture size.
 pub struct Path<'a> {

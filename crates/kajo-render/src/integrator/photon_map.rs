@@ -15,8 +15,8 @@ use std::f32::consts::PI;
 use std::thread;
 
 use kajo_color::Spectrum;
-use kajo_math::Vec3;
 use kajo_math::rng::unit;
+use kajo_math::{Ray, Vec3};
 
 /// Photons that are searched without a tree.
 const LEAF: usize = 8;
@@ -360,6 +360,42 @@ impl<P: Stored> PhotonMap<P> {
         });
     }
 
+    /// Hands over the photons of a cylinder of radius `r` around a ray, each with the parameter of the point of the ray that is nearest to
+    /// it and the square of its distance from there, in an order that depends on the tree and the ray alone.
+    ///
+    /// * `ray`: of unit direction; as far as `t_max`
+    pub fn along(&self, ray: &Ray, r: f32, mut found: impl FnMut(&P, f32, f32)) {
+        let (o, d, r2) = (ray.o.to_array(), ray.d.to_array(), r * r);
+        let mut look = |photon: &P| {
+            let to = photon.photon().p() - ray.o;
+            let t = to.dot(ray.d);
+            let d2 = (to - t * ray.d).length_squared();
+            if (ray.t_min..=ray.t_max).contains(&t) && d2 <= r2 {
+                found(photon, t, d2);
+            }
+        };
+        let mut put_off = [(0, 0, [0.0f32; 2]); LEVELS];
+        let mut n = 1;
+        put_off[0] = (0, self.photons.len(), [ray.t_min, ray.t_max]);
+        while n > 0 {
+            n -= 1;
+            let (begin, mut end, mut range) = put_off[n];
+            while end - begin > LEAF && range[0] <= range[1] {
+                let middle = begin.midpoint(end);
+                look(&self.photons[middle]);
+                let node = self.photons[middle].photon();
+                let axis = node.axis();
+                let (lower, upper) = parts_of_range(range, o[axis] - node.p[axis], d[axis], r);
+                put_off[n] = (middle + 1, end, upper);
+                n += 1;
+                (end, range) = (middle, lower);
+            }
+            if range[0] <= range[1] {
+                (begin..end).for_each(|i| look(&self.photons[i]));
+            }
+        }
+    }
+
     /// Looks at all photons that may be near, and at others.
     ///
     /// * `r2`: squared radius of the search
@@ -394,6 +430,25 @@ impl<P: Stored> PhotonMap<P> {
             }
             (begin..end).for_each(|i| look(i, &mut r2));
         }
+    }
+}
+
+/// The parts of a range of parameters of a ray, in which points of the ray may be near photons on the lower side of a plane across an
+/// axis, and near those on the upper side.
+///
+/// * `o`, `d`: start of the ray, from the plane on, and its direction, along the axis
+/// * `r`: how near
+fn parts_of_range([from, to]: [f32; 2], o: f32, d: f32, r: f32) -> ([f32; 2], [f32; 2]) {
+    const NONE: [f32; 2] = [1.0, 0.0];
+    if d == 0.0 {
+        return (if o <= r { [from, to] } else { NONE }, if o >= -r { [from, to] } else { NONE });
+    }
+    // More than the roundings of positions.
+    let r = r + 1e-6 * o.abs();
+    let [lower_end, upper_end] = [(r - o) / d, (-r - o) / d];
+    match d > 0.0 {
+        true => ([from, to.min(lower_end)], [from.max(upper_end), to]),
+        false => ([from.max(lower_end), to], [from, to.min(upper_end)]),
     }
 }
 

@@ -1,9 +1,9 @@
 //! One sample of the path tracer: a path from the camera and what branches off it.
 
+mod beams;
 mod casters;
 mod caustics;
 mod crossed;
-mod equiangular;
 mod guided;
 mod indirect;
 
@@ -21,14 +21,14 @@ use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction,
-    advance, choose_light, connect, connect_through_media, follow, follow_phase, leave, light_of_choice,
-    pass_straight, sample_light, shade, sky_footprint, survives, survives_guided, survives_in_medium,
+    Along, DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState,
+    SurfaceInteraction, advance, choose_light, connect, connect_through_media, follow, follow_phase, leave,
+    light_of_choice, pass_straight, sample_light, shade, sky_footprint, survives, survives_guided,
+    survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
 pub use caustics::ThroughGlass;
-use equiangular::Along;
 pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Leaving, Sampled, Worth};
 
 /// A path from the camera, and what the weights of the light that it hits go by.
@@ -439,7 +439,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let weight = power_heuristic(path.pdf, pdf_li * path.state.mean(path.state.lanes.r_l));
         match &path.collided {
             Some((along, t)) if path.receiver.n == Vec3::ZERO => {
-                weight * along.weight_of_collision(self.scene(), hit.light, *t, self.lights)
+                weight
+                    * weight_of_collision(along.densities_of_collision(
+                        self.scene(),
+                        hit.light,
+                        *t,
+                        self.lights,
+                    ))
             }
             _ => weight,
         }
@@ -664,8 +670,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             pdf_by_scattering: scattered,
         };
         let lights = self.lights;
-        let share =
-            path.along.map_or(1.0, |along| along.weight_of_collision(scene, drawn.light, at.length, lights));
+        let share = path.along.map_or(1.0, |along| {
+            weight_of_collision(along.densities_of_collision(scene, drawn.light, at.length, lights))
+        });
         let joined = Joined { carried: joined.carried * share, ..joined };
         self.add_light_through_media(path, &drawn, joined);
     }
@@ -752,6 +759,11 @@ impl Estimate {
 /// The receiver of light at a surface.
 pub(super) fn receiver(surface: &SurfaceInteraction, local: &LocalFrame) -> Receiver {
     Receiver { p: surface.at.point.p, n: local.n(), time: surface.at.time }
+}
+
+/// The weight of light found at a collision, where it might have been drawn for the ray: by the power heuristic of [`Along::densities_of_collision`].
+pub fn weight_of_collision([collided, drawn]: [f32; 2]) -> f32 {
+    if drawn > 0.0 { power_heuristic(collided, drawn) } else { 1.0 }
 }
 
 /// Weight of an estimate of density `p` against another of density `q`, `p^2 / (p^2 + q^2)`.

@@ -18,7 +18,8 @@
 //! ```
 //!
 //! with the scattering `sigma_s` per unit length, which `beta` and `Φ_j` both have in them. Bodies in which light is scattered many times before it leaves
-//! are finer than any ball; through them paths go on.
+//! are finer than any ball; through them paths go on. Along rays through homogeneous media progressive photon mapping sums all photons near the ray instead;
+//! see `beam.rs`.
 //!
 //! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid angle, with the power heuristic;
 //! light of one kind is taken either from a map or from these.
@@ -32,16 +33,17 @@ use kajo_core::differential::SkyFootprint;
 use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
-use kajo_math::Vec3;
+use kajo_math::{Ray, Vec3};
 
-use super::{Maps, NEIGHBOURS, Photons};
+use super::beam::QueryBeam;
+use super::{Maps, NEIGHBOURS, Photons, Radius};
 use crate::integrator::bidir::{SegmentShare, Subpath, Vertex, Volume, shade_one_way};
 use crate::integrator::camera_view::RayFootprint;
-use crate::integrator::path::power_heuristic;
+use crate::integrator::path::{power_heuristic, weight_of_collision};
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
-    DrawnLight, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance, pass_straight,
-    sample_light,
+    Along, DrawnLight, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance,
+    cross_hidden, pass_straight, sample_light, steps::extend,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -60,6 +62,10 @@ pub struct Gatherer<'a, O> {
     pub albedo: Option<Spectrum>,
     /// Scratch memory of searches.
     pub scratch: NearestScratch,
+    /// Whether photons were taken all along the last ray.
+    on_beam: bool,
+    /// That ray, where light was drawn for a point along it.
+    along: Option<Along>,
 }
 
 /// The last vertex that is not specular.
@@ -108,6 +114,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             begins_in_medium: false,
             albedo: None,
             scratch,
+            on_beam: false,
+            along: None,
         }
     }
 
@@ -122,7 +130,12 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let mut from: Option<From> = None;
         let mut length = 0.0;
         loop {
-            let event = advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer);
+            let event = match &self.photons.maps {
+                Maps::Progressive { in_media, radius, .. } if V::HAS_MEDIA => {
+                    self.advance_with_beams(&mut path.state, &mut surface, in_media, radius, length)
+                }
+                _ => advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer),
+            };
             if V::HAS_MEDIA {
                 self.add_medium_emission(&mut path.state);
             }
@@ -162,6 +175,73 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
     }
 
+    /// Follows the path to the next event, as [`advance`], and adds the light of the photons along its rays where those are beams.
+    ///
+    /// * `length`: of the path before
+    #[inline(never)]
+    fn advance_with_beams(
+        &mut self,
+        state: &mut PathState<'_>,
+        surface: &mut SurfaceInteraction,
+        map: &PhotonMap,
+        radius: &Radius,
+        mut length: f32,
+    ) -> Event<'a> {
+        let scene = self.scene();
+        loop {
+            let is_last = state.scatterings > self.photons.settings.bounces;
+            let start = *state;
+            let beam = QueryBeam::of(scene, &start).filter(|_| !is_last);
+            let event = extend(scene, state, surface, self.observer);
+            (self.on_beam, self.along) = (beam.is_some(), None);
+            if let Some(beam) = beam {
+                self.add_beam(&beam, state.extent, map, radius, length);
+                self.along = Along::of(scene, &start, state.extent);
+                self.add_along(state, &start);
+            }
+            if !matches!(event, Event::Surface) {
+                return event;
+            }
+            if self.first.is_none() {
+                self.first = Some(surface.at);
+            }
+            if !cross_hidden(state, surface, self.observer) {
+                return event;
+            }
+            length += surface.length;
+        }
+    }
+
+    /// Adds the light of one light at a point drawn along the ray: its density against that of a collision, by the power heuristic.
+    fn add_along<'s>(&mut self, state: &mut PathState<'s>, start: &PathState<'s>) {
+        let (scene, choice) = (self.scene(), self.photons.settings.light_choice);
+        let found =
+            self.along.and_then(|along| along.sample(scene, start, state, choice.into(), self.observer));
+        let Some(found) = found else { return };
+        let [drawn, collided] = found.densities;
+        let added = found.weighed(scene, start, power_heuristic(drawn, collided), self.observer);
+        self.add(added, &start.wavelengths);
+    }
+
+    /// The photons of a cylinder around a ray: `beta / (pi r^2) sum T sigma_s p Φ / sigma_s(x_j)` [Jarosz et al. 2008, eq. 13].
+    ///
+    /// * `extent`: length of the ray to the next surface
+    /// * `length`: of the path before
+    fn add_beam(&mut self, beam: &QueryBeam<'_>, extent: f32, map: &PhotonMap, radius: &Radius, length: f32) {
+        let footprint = self.footprint;
+        // A pixel is widest at the far end, and a radius has an upper bound.
+        let r_at = |t: f32| radius.disk.at(footprint.at((length + t).min(f32::MAX)));
+        let ray = Ray { t_min: 0.0, t_max: extent, ..beam.ray };
+        let mut sums = Sums::new(self.photons.settings.bounces.saturating_sub(beam.scatterings));
+        map.along(&ray, r_at(extent), |photon, t, d2| {
+            let r = r_at(t);
+            if d2 <= r * r && photon.is_within(sums.most_scatterings) {
+                sums.take(photon, beam.scattered(photon, t, r));
+            }
+        });
+        self.add_sums(beam.beta, &beam.wavelengths, &sums, 1.0);
+    }
+
     /// Adds the light of a vertex and goes on from it; `false` when the path ends there.
     fn scatter<V: Volume<'a>>(
         &mut self,
@@ -180,7 +260,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let role = self.role(z, surface.length, from.as_ref());
         if role != Role::FromMap {
-            self.add_direct_light(&mut path.state, z, role.goes_on());
+            self.add_direct_light(&mut path.state, z, role.goes_on(), None);
         }
         let photons = self.photons;
         match (&photons.maps, role) {
@@ -227,10 +307,13 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             Maps::Fixed { usage: PhotonMapUse::Gather, .. } | Maps::Progressive { .. } => Role::DirectAndMap,
         };
         if role != Role::FromMap {
-            self.add_direct_light(&mut path.state, &z, role.goes_on());
+            let along = self.along.filter(|_| self.on_beam);
+            self.add_direct_light(&mut path.state, &z, role.goes_on(), along.map(|along| (along, at.length)));
         }
         match &photons.maps {
             _ if role == Role::Direct => {}
+            // All photons along the ray were added.
+            Maps::Progressive { .. } if self.on_beam => {}
             Maps::Progressive { in_media, radius, .. } => {
                 self.add_ball(&path.state, &z, in_media, radius.ball.at(self.footprint.at(length)));
             }
@@ -285,7 +368,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let mut sums = Sums::new(self.most_scatterings(state));
         map.within(&gather_point(z), r, |photon| sums.add(z, photon));
         // [Jensen 2001, eq. 7.6]
-        self.add_sums(state, sums, (PI * r * r).recip());
+        self.add_sums(state.beta, &state.wavelengths, &sums, (PI * r * r).recip());
     }
 
     /// The `k` nearest photons: `beta (k - 1) / (k pi r_k^2) sum f Φ`.
@@ -296,14 +379,14 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let mut sums = Sums::new(self.most_scatterings(state));
         let density =
             map.nearest(&gather_point(z), NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
-        self.add_sums(state, sums, density);
+        self.add_sums(state.beta, &state.wavelengths, &sums, density);
     }
 
     /// The photons of a ball of radius `r`: `beta / (4/3 pi r^3) sum p Φ / sigma_s` [Jensen and Christensen 1998, eq. 9].
     fn add_ball<V: Volume<'a>>(&mut self, state: &PathState<'_>, z: &Vertex<'a, V>, map: &PhotonMap, r: f32) {
         let mut sums = Sums::new(self.most_scatterings(state));
         map.within_ball(z.at.p, r, |photon| sums.add(z, photon));
-        self.add_sums(state, sums, (4.0 / 3.0 * PI * r * r * r).recip());
+        self.add_sums(state.beta, &state.wavelengths, &sums, (4.0 / 3.0 * PI * r * r * r).recip());
     }
 
     /// The `k` nearest photons: `beta (k - 1) / (k 4/3 pi r_k^3) sum p Φ / sigma_s`.
@@ -319,18 +402,19 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let mut sums = Sums::new(self.most_scatterings(state));
         let density =
             map.nearest_in_ball(z.at.p, NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
-        self.add_sums(state, sums, density);
+        self.add_sums(state.beta, &state.wavelengths, &sums, density);
     }
 
-    fn add_sums(&mut self, state: &PathState<'_>, sums: Sums, density: f32) {
-        let mut single = state.wavelengths;
+    /// * `beta`, `wavelengths`: throughput of the path, and what its lanes stand for
+    fn add_sums(&mut self, beta: Spectrum, wavelengths: &Wavelengths, sums: &Sums, density: f32) {
+        let mut single = *wavelengths;
         single.terminate_secondary();
-        let lights = [sums.all * state.beta * density, sums.single * state.beta * density];
+        let lights = [sums.all * beta * density, sums.single * beta * density];
         self.observer.found(|| {
-            let rgb = [sensor::to_rgb(lights[0], &state.wavelengths), sensor::to_rgb(lights[1], &single)];
+            let rgb = [sensor::to_rgb(lights[0], wavelengths), sensor::to_rgb(lights[1], &single)];
             [0, 1, 2].map(|i| rgb[0][i] + rgb[1][i])
         });
-        self.add(lights[0], &state.wavelengths);
+        self.add(lights[0], wavelengths);
         self.add(lights[1], &single);
     }
 
@@ -391,11 +475,13 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// angle, is `f |cos| T V Le w / q` with the weight `w = q^2 / (p^2 + q^2)` [Veach 1997, eq. 9.15].
     ///
     /// * `may_meet`: whether the path goes on and may meet the light, so that both count by the power heuristic
+    /// * `along`: at a collision the ray to it, where light was drawn for a point along it, and its distance
     fn add_direct_light<V: Volume<'a>>(
         &mut self,
         state: &mut PathState<'_>,
         z: &Vertex<'a, V>,
         may_meet: bool,
+        along: Option<(Along, f32)>,
     ) {
         let scene = self.scene();
         let time = state.ray.time;
@@ -407,7 +493,9 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             return;
         }
         let segment = z.at.ray_to(&at, wi, time);
-        let carried = state.beta * scattered;
+        let densities =
+            |(along, t): (Along, f32)| along.densities_of_collision(scene, light, t, choice.into());
+        let carried = state.beta * scattered * along.map(densities).map_or(1.0, weight_of_collision);
         let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
         let share =
             SegmentShare::along(scene, z, wi, distance, &segment, Joining::from(state), self.observer);
@@ -456,7 +544,11 @@ impl Sums {
         if cosine <= 0.0 {
             return;
         }
-        let light = z.gathered(wi) * photon.power() * cosine.recip();
+        self.take(photon, z.gathered(wi) * photon.power() * cosine.recip());
+    }
+
+    /// Adds the light that a photon brings.
+    fn take(&mut self, photon: &Photon, light: Spectrum) {
         *(if photon.secondary_terminated() { &mut self.single } else { &mut self.all }) += light;
     }
 }

@@ -238,6 +238,25 @@ fn fog_without_absorption_leaves_an_emissive_room_as_bright_as_it_was() {
     }
 }
 
+/// A small light in thin fog: points drawn along rays, collisions and photons together find what paths find, with little noise.
+#[test]
+fn a_small_light_in_fog_is_as_bright_as_paths_find_it() {
+    let text = format!(
+        "{} Media {{ Medium air {{ sigma_s 0.06 0.05 0.04  sigma_a 0.01  g 0.4 }}  exterior air }}
+         Lights {{ PointLight {{ position 0.2 0.3 -0.5  intensity 4 4 4 }} }}
+         Materials {{ Matte wall {{ color 0.3 0.3 0.3 }} }}
+         Group {{ MaterialIndex wall Quad {{ corner -4 -2 4  edge1 8 0 0  edge2 0 0 -8 }} }}",
+        camera([0.0, 0.0, 3.0], [0.0, 0.2, 0.0], 40.0)
+    );
+    let scene = scene(&text);
+    let path = PathSettings { bounces: 20, ..PathSettings::default() };
+    let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 2048);
+    let found = mean(&scene, PhotonSettings { bounces: 20, ..with(None, 64_000) }, 256);
+    let sigma = found.standard_error.hypot(expected.standard_error) / expected.mean;
+    let error = (found.mean / expected.mean - 1.0).abs();
+    assert!(error < 4.0 * sigma + 3e-3 && sigma < 0.025, "{found:?} instead of {expected:?}");
+}
+
 /// A room of fog with a ball of glass and a denser cloud, in which an emitter is large enough for paths to meet it.
 #[test]
 fn photons_in_media_and_paths_agree() {
@@ -266,7 +285,8 @@ fn photons_in_media_and_paths_agree() {
     }
 }
 
-/// In balls that shrink the light that is missed beside walls comes back: with 64 times the photons a quarter of it is left.
+/// In balls that shrink the light that is missed beside walls comes back: with 64 times the photons a quarter of it is left. Cylinders around rays
+/// miss little at once.
 #[test]
 fn balls_of_many_photons_miss_little() {
     let text = format!(
@@ -285,4 +305,9 @@ fn balls_of_many_photons_miss_little() {
     };
     let [few, many] = [1_000, 64_000].map(missed);
     assert!(few > 0.01 && many.abs() < 0.4 * few, "{few} {many}");
+    // Around rays the photons of a cylinder are counted, which is narrower.
+    let beams = PhotonSettings { bounces: 64, photons: 1_000, ..with(None, 16_000) };
+    let found = mean(&scene, beams, 128);
+    let off = (found.mean / expected - 1.0).abs();
+    assert!(off < 0.4 * few + 3.0 * found.standard_error / expected, "{off} {few} {found:?}");
 }

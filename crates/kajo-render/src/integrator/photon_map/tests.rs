@@ -126,6 +126,49 @@ fn searches_find_what_a_look_at_all_finds() {
     }
 }
 
+/// Through a cloud of photons, from within it and from outside, along axes too, near and without end.
+#[test]
+fn photons_along_a_ray_are_those_a_look_at_all_finds() {
+    let photon = |i: u32| {
+        let u = random(i);
+        let p = 2.0 * Vec3::new(u(0), u(1), u(2)) - Vec3::ONE;
+        Photon::new(&arrival(p, Spectrum::WHITE), 0.5)
+    };
+    let photons: Vec<Photon> = (0..3000).map(photon).collect();
+    let map = PhotonMap::new(photons.clone(), 1);
+    let mut all = 0;
+    for i in 0..200 {
+        let u = random(10_000 + i);
+        let o = 3.0 * (2.0 * Vec3::new(u(0), u(1), u(2)) - Vec3::ONE);
+        let d = match i % 4 {
+            0 => Vec3::AXES[(i / 4 % 3) as usize] * if i % 8 == 0 { 1.0 } else { -1.0 },
+            _ => direction(&u, 3),
+        };
+        let (t_max, r) = (if i % 3 == 0 { f32::INFINITY } else { 4.0 * u(6) }, 0.02 + 0.2 * u(7));
+        let o = if i % 4 == 0 { o * 0.3 } else { o };
+        let ray = Ray { t_min: 0.0, t_max, ..Ray::new(o, d) };
+        let key = |photon: &Photon, t: f32, d2: f32| {
+            (photon.p().to_array().map(f32::to_bits), t.to_bits(), d2.to_bits())
+        };
+        let mut found = Vec::new();
+        map.along(&ray, r, |photon, t, d2| found.push(key(photon, t, d2)));
+        let mut expected = Vec::new();
+        for photon in &photons {
+            let to = photon.p() - o;
+            let t = to.dot(d);
+            let d2 = (to - t * d).length_squared();
+            if t >= 0.0 && t <= t_max && d2 <= r * r {
+                expected.push(key(photon, t, d2));
+            }
+        }
+        found.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(found, expected, "{ray:?} {r}");
+        all += found.len();
+    }
+    assert!(all > 1000, "{all}");
+}
+
 #[test]
 fn any_number_of_threads_builds_the_same_tree_of_any_order() {
     let photons = on_a_floor(200_000, 1);

@@ -19,6 +19,7 @@
 //! meets has the weight of the collision.
 //!
 //! It is done in homogeneous media, on rays that have been scattered once at most: farther on light comes from everywhere.
+//! The weights are left to the integrators.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
@@ -26,14 +27,10 @@ use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{LightSelection, Receiver, SampledLight};
 use kajo_core::medium::Phase;
 use kajo_core::scene::Scene;
-use kajo_core::settings::Technique;
 use kajo_core::space::Space;
 use kajo_math::{Ray, Vec3, fmath};
 
-use super::{CameraPath, IndirectLight, PathTracer, power_heuristic};
-use crate::integrator::transport::{
-    Event, Joining, PathState, SurfaceInteraction, advance, all_lanes, connect_through_media,
-};
+use super::{Joining, PathState, all_lanes, connect_through_media};
 use crate::trail::{About, PathObserver, RayKind};
 
 /// Scatterings of a path after which no points are drawn along its rays.
@@ -53,6 +50,22 @@ pub struct Along {
     receiver: Receiver,
 }
 
+/// Light found at a point drawn along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct LightAlong {
+    /// The light that was drawn.
+    pub light: LightIndex,
+    /// What it adds to the path, times its density and before it is weighed: `beta T sigma_s p Li`.
+    radiance: Spectrum,
+    /// Density of the point, the light and the place on it.
+    density: f32,
+    /// The two densities that are weighed against each other: of drawing it for the ray, and at a collision.
+    pub densities: [f32; 2],
+    /// The shadow ray, and what its light is multiplied by.
+    segment: Ray,
+    carried: Spectrum,
+}
+
 /// How distances along a ray are drawn for a light.
 struct Equiangular {
     /// Distance of the closest point, and how far the light is from that.
@@ -63,6 +76,24 @@ struct Equiangular {
 }
 
 impl Along {
+    /// The ray that a path is about to follow; `None` where no points are drawn: but in one homogeneous medium that scatters.
+    ///
+    /// * `length`: of the ray to the next surface, perhaps infinite
+    pub fn of(scene: &Scene, path: &PathState<'_>, length: f32) -> Option<Along> {
+        if path.scatterings > MOST_SCATTERINGS || scene.space() == Space::Curved {
+            return None;
+        }
+        // Several media scatter by several phase functions: collisions find their light.
+        let medium = path.media.medium().filter(|_| !path.media.overlaps())?;
+        let (media, wavelengths) = (&scene.appearance.media, &path.wavelengths);
+        let coefficients = media.coefficients(medium);
+        if !media.is_homogeneous(medium) || !coefficients.scatters() {
+            return None;
+        }
+        let sigma_t = coefficients.sigma_s(wavelengths) + coefficients.sigma_a(wavelengths);
+        Some(Along::new(path, sigma_t, length)).filter(|along| along.receiver.p.is_finite())
+    }
+
     /// * `path`: before it follows its ray
     /// * `length`: of the ray
     fn new(path: &PathState<'_>, sigma_t: Spectrum, length: f32) -> Along {
@@ -99,18 +130,94 @@ impl Along {
         [drawn, collision * sampler.pmf(light, &there, by)]
     }
 
-    /// The weight of light found at a collision.
+    /// The densities of light found at a collision: of finding it there, and of drawing it for the ray, which may be zero.
     ///
     /// * `t`: distance of the collision
-    pub fn weight_of_collision(
+    pub fn densities_of_collision(
         &self,
         scene: &Scene,
         light: LightIndex,
         t: f32,
         by: LightSelection<'_>,
-    ) -> f32 {
+    ) -> [f32; 2] {
         let [drawn, collided] = self.densities(scene, light, t, by);
-        if drawn > 0.0 { power_heuristic(collided, drawn) } else { 1.0 }
+        [collided, drawn]
+    }
+
+    /// The light of one light at a point drawn along the ray.
+    ///
+    /// * `start`: the path at the start of the ray
+    /// * `path`: the same path now, whose random numbers are taken: four, and what a connection takes
+    pub fn sample<'a, 's>(
+        &self,
+        scene: &'a Scene,
+        start: &PathState<'s>,
+        path: &mut PathState<'s>,
+        by: LightSelection<'_>,
+        observer: &mut impl PathObserver,
+    ) -> Option<LightAlong> {
+        let (u, v) = (path.draws.next_2d(), path.draws.next_2d());
+        let chosen = scene.lighting.sampler.sample(&self.receiver, u.x, by)?;
+        let SampledLight { light, .. } = chosen;
+        let towards = self.towards(scene, light)?;
+        let t = towards.sample(v.x);
+        if !(0.0..self.length).contains(&t) {
+            return None;
+        }
+        let p = self.o + t * self.d;
+        let receiver = Receiver { p, ..self.receiver };
+        let li = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths)?;
+        let [drawn, collided] = self.densities(scene, light, t, by);
+        let (sigma_s, phase) = scattering(scene, start)?;
+        let scattered = phase.eval(-self.d, li.wi);
+        let absorbed = start.media.transmittance(t) * (self.sigma_t * -t).exp();
+        let carried = start.beta * absorbed * sigma_s * scattered;
+        if drawn <= 0.0 || li.radiance.is_black() || carried.is_black() {
+            return None;
+        }
+        let segment = SurfacePoint { p, ..SurfacePoint::default() }.ray_to(&li.at, li.wi, self.receiver.time);
+        let with = Joining {
+            wavelengths: &start.wavelengths,
+            hero: start.lanes.hero,
+            r_u: start.lanes.r_u,
+            draws: &mut path.draws,
+        };
+        let passage = connect_through_media(scene, &segment, start.media, with, observer);
+        observer.light_drawn(&self.receiver, light, || !passage.t.is_black());
+        let by_light = start.mean(passage.r_l);
+        let radiance = carried * li.radiance * passage.t;
+        let density = drawn * li.pdf * by_light;
+        Some(LightAlong { light, radiance, density, densities: [drawn, collided], segment, carried })
+    }
+}
+
+/// Scattering of the medium around a path, and its phase function.
+fn scattering<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<(Spectrum, &'a Phase)> {
+    let coefficients = scene.appearance.media.coefficients(path.media.medium()?);
+    Some((coefficients.sigma_s(&path.wavelengths), coefficients.phase()))
+}
+
+impl LightAlong {
+    /// What it adds under a weight, of which the observer is told.
+    ///
+    /// * `start`: the path at the start of the ray
+    pub fn weighed(
+        &self,
+        scene: &Scene,
+        start: &PathState<'_>,
+        weight: f32,
+        observer: &mut impl PathObserver,
+    ) -> Spectrum {
+        let added = self.radiance * (weight / self.density);
+        let added = if added.is_finite() { added } else { Spectrum::BLACK };
+        let about = || About {
+            eta: start.media.eta(),
+            weight: sensor::to_rgb(self.carried, &start.wavelengths),
+            light: Some(scene.lighting.sampler.id(self.light)),
+        };
+        let rgb = || sensor::to_rgb(added, &start.wavelengths);
+        observer.joined(RayKind::Shadow, scene, &self.segment, about, rgb);
+        added
     }
 }
 
@@ -123,106 +230,5 @@ impl Equiangular {
     fn pdf(&self, t: f32) -> f32 {
         let (d, off) = (self.distance, t - self.closest);
         d / ((self.ends[1] - self.ends[0]) * (d * d + off * off))
-    }
-}
-
-impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
-    /// As [`advance`], through media: adds the light that these give on the way, and that of points drawn along the ray.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn advance_through_media(
-        &mut self,
-        path: &mut CameraPath<'s>,
-        surface: &mut SurfaceInteraction,
-    ) -> Event<'a> {
-        let scene = self.scene();
-        let start = path.state;
-        path.along = None;
-        let event = advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer);
-        self.add_medium_emission(path);
-        if C::IS_ASKED
-            || path.ends_at_lights
-            || self.settings.technique == Technique::Scattering
-            || start.scatterings > MOST_SCATTERINGS
-            || path.state.surfaces != start.surfaces + 1
-            || scene.space() == Space::Curved
-        {
-            return event;
-        }
-        // Several media scatter by several phase functions: collisions find their light.
-        let Some(medium) = start.media.medium().filter(|_| !start.media.overlaps()) else { return event };
-        let (media, wavelengths) = (&scene.appearance.media, &start.wavelengths);
-        let coefficients = media.coefficients(medium);
-        if !media.is_homogeneous(medium) || !coefficients.scatters() {
-            return event;
-        }
-        let length = match event {
-            Event::Surface => surface.length,
-            Event::Medium(_) => path.state.extent,
-            Event::Escaped(_) => f32::INFINITY,
-            Event::Absorbed => return event,
-        };
-        let sigma_s = coefficients.sigma_s(wavelengths);
-        let along = Along::new(&start, sigma_s + coefficients.sigma_a(wavelengths), length);
-        if !along.receiver.p.is_finite() {
-            return event;
-        }
-        path.along = Some(along);
-        self.add_along(path, &start, &along, (sigma_s, coefficients.phase()));
-        event
-    }
-
-    /// Adds the light of one light at a point drawn along a ray.
-    ///
-    /// Takes four numbers, and what a connection takes.
-    fn add_along(
-        &mut self,
-        path: &mut CameraPath<'s>,
-        start: &PathState<'s>,
-        along: &Along,
-        (sigma_s, phase): (Spectrum, &Phase),
-    ) {
-        let (scene, by) = (self.scene(), self.lights);
-        let draws = &mut path.state.draws;
-        let (u, v) = (draws.next_2d(), draws.next_2d());
-        let Some(chosen) = scene.lighting.sampler.sample(&along.receiver, u.x, by) else { return };
-        let SampledLight { light, .. } = chosen;
-        let Some(towards) = along.towards(scene, light) else { return };
-        let t = towards.sample(v.x);
-        if !(0.0..along.length).contains(&t) {
-            return;
-        }
-        let p = along.o + t * along.d;
-        let receiver = Receiver { p, ..along.receiver };
-        let Some(li) = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths) else { return };
-        let [drawn, collided] = along.densities(scene, light, t, by);
-        let scattered = phase.eval(-along.d, li.wi);
-        let absorbed = start.media.transmittance(t) * (along.sigma_t * -t).exp();
-        let carried = start.beta * absorbed * sigma_s * scattered;
-        if drawn <= 0.0 || li.radiance.is_black() || carried.is_black() {
-            return;
-        }
-        let segment =
-            SurfacePoint { p, ..SurfacePoint::default() }.ray_to(&li.at, li.wi, along.receiver.time);
-        let with = Joining {
-            wavelengths: &start.wavelengths,
-            hero: start.lanes.hero,
-            r_u: start.lanes.r_u,
-            draws: &mut path.state.draws,
-        };
-        let passage = connect_through_media(scene, &segment, start.media, with, self.observer);
-        self.observer.light_drawn(&along.receiver, light, || !passage.t.is_black());
-        let by_light = start.mean(passage.r_l);
-        let weight = power_heuristic(drawn, collided);
-        let added = carried * li.radiance * passage.t * (weight / (drawn * li.pdf * by_light));
-        let added = if added.is_finite() { added } else { Spectrum::BLACK };
-        let about = || About {
-            eta: start.media.eta(),
-            weight: sensor::to_rgb(carried, &start.wavelengths),
-            light: Some(scene.lighting.sampler.id(light)),
-        };
-        let rgb = || sensor::to_rgb(added, &start.wavelengths);
-        self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
-        self.add(start, added, scene.lighting.sampler.group(light));
     }
 }

@@ -1,0 +1,52 @@
+//! Light that a path finds along its rays through media, besides that of collisions.
+
+use kajo_core::settings::Technique;
+
+use super::{CameraPath, IndirectLight, PathTracer, power_heuristic};
+use crate::integrator::transport::{Along, Event, PathState, SurfaceInteraction, advance};
+use crate::trail::PathObserver;
+
+impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
+    /// As [`advance`], through media: adds the light that these give on the way, and that of points drawn along the ray.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn advance_through_media(
+        &mut self,
+        path: &mut CameraPath<'s>,
+        surface: &mut SurfaceInteraction,
+    ) -> Event<'a> {
+        let scene = self.scene();
+        let start = path.state;
+        path.along = None;
+        let event = advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer);
+        self.add_medium_emission(path);
+        if C::IS_ASKED
+            || path.ends_at_lights
+            || self.settings.technique == Technique::Scattering
+            || path.state.surfaces != start.surfaces + 1
+        {
+            return event;
+        }
+        let length = match event {
+            Event::Surface => surface.length,
+            Event::Medium(_) => path.state.extent,
+            Event::Escaped(_) => f32::INFINITY,
+            Event::Absorbed => return event,
+        };
+        path.along = Along::of(scene, &start, length);
+        if let Some(along) = path.along {
+            self.add_along(path, &start, &along);
+        }
+        event
+    }
+
+    /// Adds the light of one light at a point drawn along a ray: its density against that of a collision, by the power heuristic.
+    fn add_along(&mut self, path: &mut CameraPath<'s>, start: &PathState<'s>, along: &Along) {
+        let scene = self.scene();
+        let found = along.sample(scene, start, &mut path.state, self.lights, self.observer);
+        let Some(found) = found else { return };
+        let [drawn, collided] = found.densities;
+        let added = found.weighed(scene, start, power_heuristic(drawn, collided), self.observer);
+        self.add(start, added, scene.lighting.sampler.group(found.light));
+    }
+}
