@@ -32,6 +32,8 @@ pub struct Start {
 pub struct Light {
     /// Where it is seen.
     splats: Vec<Splat>,
+    /// Where the brightest of it is seen.
+    brightest: Vec2,
     /// The mean over the channels of the absolute value of its sum: 0 only where it is black.
     pub importance: f32,
 }
@@ -118,11 +120,19 @@ impl<'a> Evaluation<'a> {
         light.splats.extend_from_slice(ctx.splats.as_slice());
         light.splats.retain(|splat| splat.value != [0.0; 3] && is_within(splat.raster, size));
         let sum = light.splats.iter().fold([0.0; 3], |sum, splat| [0, 1, 2].map(|i| sum[i] + splat.value[i]));
-        let importance = sum.into_iter().map(f32::abs).sum::<f32>() / 3.0;
+        let importance = mean(sum);
         // What is no number is a bug that the film counts, and no place for a chain.
         light.importance = if importance.is_finite() { importance } else { 0.0 };
+        let first = Splat { raster, value: [0.0; 3] };
+        let brighter = |a: Splat, &b: &Splat| if mean(b.value) > mean(a.value) { b } else { a };
+        light.brightest = light.splats.iter().fold(first, brighter).raster;
         (self.scratch, self.rays) = (ctx.scratch, ctx.rays);
     }
+}
+
+/// The mean over the channels of absolute values.
+fn mean(value: [f32; 3]) -> f32 {
+    value.into_iter().map(f32::abs).sum::<f32>() / 3.0
 }
 
 /// Whether a position lies in the picture.
@@ -144,6 +154,11 @@ impl Chain {
         let numbers = Numbers::of(&start);
         let light = evaluation.begin(&start);
         Chain { proposal: (numbers.clone(), Light::default()), numbers, light }
+    }
+
+    /// Where the brightest part of its light is seen, in pixels.
+    pub fn brightest(&self) -> Vec2 {
+        self.light.brightest
     }
 
     /// Mutation `m`: hands the light of both states to `found`, such that the mean over mutations of the sum of what is found is that of

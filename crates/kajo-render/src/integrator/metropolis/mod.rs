@@ -22,7 +22,7 @@
 //! Each chain begins at a sample drawn in proportion to `I` of those that `b` was estimated by, so that it is where it would be after any
 //! number of mutations; no beginning has to be thrown away [Veach 1997, 11.3.1]. So chains may be short and many: one for each
 //! block of pixels and each sample of theirs, with a mutation for each pixel. It depends on the seed, the block and the sample alone, and its light goes
-//! to exact sums, so no split of the work changes a bit.
+//! to exact sums, so no split of the work changes a bit. Where its states have their light is counted too, to tell whether groups of chains agree; see [`ChainCounts`](crate::ChainCounts).
 
 mod chain;
 mod settings;
@@ -187,11 +187,16 @@ impl Chains<'_> {
         let mut evaluation = Evaluation::of(self.of.mutated(), self.of.size, ctx);
         let mut chain = Chain::new(start, &mut evaluation);
         let b = self.starts.brightness();
+        let [width, height] = self.of.size;
+        let size = Vec2::new(width as f32, height as f32);
+        // Each group has as many chains as another one, whether there are many blocks or many samples.
+        let number = (block[0] + block[1] * width.div_ceil(BLOCK)).wrapping_add(ctx.index);
         for m in 0..mutations {
             if m % 64 == 63 && evaluation.is_given_up(ctx) {
                 break;
             }
             chain.mutate(m, b, &mut evaluation, &mut |raster, value| ctx.splats.add(raster, value));
+            ctx.chains.count(number, chain.brightest() / size);
         }
         evaluation.give_back(ctx);
     }

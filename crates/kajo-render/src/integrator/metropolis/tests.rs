@@ -12,7 +12,9 @@ use super::*;
 use crate::integrator::bidir::integrator_of;
 use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
-use crate::{Film, FilmSpec, RenderSettings, Silent, render};
+use crate::{
+    Film, FilmSpec, LARGEST_R_HAT, Position, RenderSettings, Silent, Unit, render, render_work_unit,
+};
 
 /// Chains that begin at fewer samples.
 struct Small<'a>(Metropolis<'a>);
@@ -249,6 +251,71 @@ fn threads_tiles_and_stops_make_the_same_picture() {
     let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
     let integrator = chains(&scene, 3, false);
     assert_same_picture(&integrator, SIZE, &schedule(6, 1, 1, 0), [20, 11]);
+}
+
+/// A room that is lit through a slit in the wall behind which the emitter is.
+const SLIT: &str = "Materials { Matte wall { color 0.6 0.6 0.6 }
+        Matte emitter { color 0 0 0 emission 50 50 50 } }
+    Group { MaterialIndex wall Box { min -2 -2 -4 max 2 2 2 }
+            Box { min -2 -2 -2.1 max 1.85 2 -2 }
+            Box { min 1.9 -2 -2.1 max 2 2 -2 }
+            MaterialIndex emitter Sphere { center -1.4 1.2 -3.4 radius 0.2 } }";
+
+/// R-hat of a render.
+fn r_hat(integrator: &dyn PixelIntegrator, samples: u32, seed: u64) -> f64 {
+    let film = film();
+    render(integrator, &film, &schedule(samples, seed, 2, 0), &Silent).unwrap();
+    film.r_hat().unwrap()
+}
+
+/// Chains that have found no other light than that they began with do not agree; many of an easy room do, and of the same room the more the better.
+#[test]
+fn few_chains_of_a_slit_do_not_agree_and_many_of_a_room_do() {
+    let slit = scene(&format!("{} {SLIT}", camera([-1.0, 0.0, 1.9], [0.6, -0.3, 0.0], 70.0)));
+    let room = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+    let (slit, room) = (chains(&slit, 4, false), chains(&room, 3, false));
+    for seed in 0..3 {
+        let found = [r_hat(&slit, 32, seed), r_hat(&slit, 256, seed), r_hat(&room, 256, seed)];
+        let [few, many, easy] = found;
+        assert!(
+            few > LARGEST_R_HAT && many < few && easy < LARGEST_R_HAT && easy < many,
+            "seed {seed}: {found:?}"
+        );
+    }
+    assert_eq!(r_hat(&room, 1, 0), f64::INFINITY, "a single chain");
+}
+
+/// Films of parts add up to the counts of the whole, by way of files too; other integrators count nothing.
+#[test]
+fn parts_of_a_render_count_what_the_whole_does() {
+    let room = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+    let integrator = chains(&room, 3, false);
+    let settings = schedule(12, 5, 2, 0);
+    let whole = film();
+    render(&integrator, &whole, &settings, &Silent).unwrap();
+    let sum = film();
+    for samples in [7..12, 0..4, 4..7] {
+        let part = film();
+        let unit = Unit { tile: whole.spec().rect(), samples, limits: Unit::UNLIMITED };
+        render_work_unit(&integrator, &part, &settings, &Position::default(), &unit, &Silent).unwrap();
+        sum.absorb(restored(&part)).unwrap();
+    }
+    let found = sum.r_hat().unwrap();
+    assert!(found > 1.0 && found.is_finite() && Some(found) == whole.r_hat(), "{found}");
+    let path = Path::new(&room, PathSettings::default(), SIZE, LayerSet::of(&[Layer::Color]));
+    let other = film();
+    render(&path, &other, &settings, &Silent).unwrap();
+    assert_eq!(restored(&other).r_hat(), None);
+}
+
+/// A film that was saved and read again.
+fn restored(film: &Film) -> Film {
+    let mut saved = Vec::new();
+    film.save(1, &mut saved).unwrap();
+    let mut rest = &saved[..];
+    let restored = Film::restore(*film.spec(), u64::MAX, &mut rest).unwrap();
+    assert!(rest.is_empty() && restored.r_hat() == film.r_hat());
+    restored
 }
 
 #[test]
