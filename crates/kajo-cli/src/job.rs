@@ -6,8 +6,9 @@ use std::thread;
 use kajo::output::Target;
 use kajo::{
     BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, EncodeOptions, Format, Highlight, ImageError,
-    IntegratorSettings, LoadOptions, Loaded, Passes, Picture, Rect, Reduction, RenderError, RenderSettings,
-    RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot, View, diagrams,
+    IntegratorSettings, LARGEST_R_HAT, LoadOptions, Loaded, Passes, Picture, Rect, Reduction, RenderError,
+    RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot,
+    View, diagrams,
 };
 
 use kajo_farm::Bundle;
@@ -129,6 +130,8 @@ pub struct Done {
     pub samples: f64,
     /// Estimated relative error, where it is known.
     pub noise: Option<f64>,
+    /// How far groups of Markov chains are from agreeing, where there are any.
+    pub r_hat: Option<f64>,
     pub stats: RenderStats,
 }
 
@@ -319,6 +322,7 @@ impl Job {
             return Err(stopped());
         }
         warn_of_numbers(&picture.stats, voice);
+        warn_of_chains(picture.r_hat(), voice);
         let mut interrupted = interrupted;
         interrupted |= self.denoise(&mut picture, keeps_partial, interrupt, voice);
         let overexposed = picture.overexposed();
@@ -337,6 +341,7 @@ impl Job {
             size: picture.size(),
             samples: picture.mean_samples(),
             noise: picture.noise(),
+            r_hat: picture.r_hat(),
             stats: picture.stats,
         })
     }
@@ -509,6 +514,22 @@ pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
     }
 }
 
+/// R-hat in words: `1.013`, or `above 10`.
+pub fn in_figures(r_hat: f64) -> String {
+    if r_hat > 10.0 { "above 10".to_owned() } else { format!("{r_hat:.3}") }
+}
+
+/// Warns where groups of Markov chains differ.
+fn warn_of_chains(r_hat: Option<f64>, voice: &mut Voice<'_>) {
+    if let Some(r_hat) = r_hat.filter(|&r_hat| r_hat > LARGEST_R_HAT) {
+        voice.warn(format!(
+            "Markov chains do not agree on where light is: R-hat between groups of them is {}, more than {LARGEST_R_HAT}, so that \
+             a render with another seed would look different; ask for more samples",
+            in_figures(r_hat)
+        ));
+    }
+}
+
 fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
     if stats.non_finite > 0 {
         voice.warn(format!("{} samples were not finite numbers and count as black", stats.non_finite));
@@ -534,6 +555,28 @@ mod tests {
     use std::sync::atomic::{AtomicU32, Ordering};
 
     use super::*;
+
+    #[test]
+    fn chains_that_do_not_agree_are_warned_of() {
+        for (r_hat, expected) in [
+            (None, None),
+            (Some(1.049), None),
+            (Some(1.0512), Some("1.051")),
+            (Some(f64::INFINITY), Some("above 10")),
+        ] {
+            let mut said = String::new();
+            let mut say = |text: &str| said.push_str(text);
+            let mut voice = Voice { color: false, quiet: true, say: &mut say };
+            warn_of_chains(r_hat, &mut voice);
+            match expected {
+                None => assert_eq!(said, ""),
+                Some(figures) => assert!(
+                    said.contains(&format!("R-hat between groups of them is {figures}, more than 1.05")),
+                    "{said}"
+                ),
+            }
+        }
+    }
 
     impl Job {
         /// A job that asks for nothing in particular.

@@ -22,7 +22,7 @@ use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::{SampleStream, Sampler};
 use kajo_math::Vec2;
 
-use crate::RayCounters;
+use crate::{ChainCounts, RayCounters};
 
 /// The surroundings of a sample.
 #[derive(Debug)]
@@ -41,6 +41,8 @@ pub struct SampleContext<'a> {
     pub aux: Auxiliary,
     /// Light for anywhere in the picture.
     pub splats: Splats,
+    /// Where Markov chains were.
+    pub chains: ChainCounts,
     /// Memory of the integrator's own, kept from sample to sample.
     pub scratch: Scratch,
     /// Asked within samples that take long.
@@ -58,6 +60,7 @@ impl<'a> SampleContext<'a> {
             rays: RayCounters::default(),
             aux: Auxiliary::default(),
             splats: Splats::default(),
+            chains: ChainCounts::default(),
             scratch: Scratch::default(),
             interrupt: None,
         }

@@ -4,6 +4,7 @@
 //! every sample of every tile on all cores; a [`Film`] sums the samples exactly and develops them into
 //! pictures.
 
+mod chain_counts;
 pub mod context;
 pub mod film;
 pub mod integrator;
@@ -17,6 +18,7 @@ mod setup;
 pub mod state;
 pub mod trail;
 
+pub use chain_counts::{ChainCounts, LARGEST_R_HAT};
 pub use context::{Auxiliary, SampleContext, Splats};
 pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
 pub use kajo_core::light::MAX_LIGHT_GROUPS;

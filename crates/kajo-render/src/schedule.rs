@@ -300,8 +300,10 @@ pub fn render_unit<I: PixelIntegrator + ?Sized>(
     mut go_on: impl FnMut(u64, &RayCounters) -> bool,
 ) -> bool {
     ctx.splats.clear();
+    ctx.chains.clear();
     let finished = take_samples(integrator, ctx, unit, part, &mut go_on);
     part.take_splats(&mut ctx.splats);
+    part.take_chains(&mut ctx.chains);
     finished
 }
 

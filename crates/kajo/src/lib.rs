@@ -93,7 +93,9 @@ pub use kajo_render::integrator::CHOICES as INTEGRATOR_CHOICES;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::integrator::{AUTO, Defaults, INTEGRATORS, IntegratorSettings, IntegratorSpec};
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
-pub use kajo_render::{Film, Goal, Position, Progress, RayCounters, Rect, RenderStats, Silent};
+pub use kajo_render::{
+    Film, Goal, LARGEST_R_HAT, Position, Progress, RayCounters, Rect, RenderStats, Silent,
+};
 pub use kajo_scene::{
     AssetError, AssetFile, Assets, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, MemoryBudget,
     Severity, Sources, TokenKind, nearest, printable, relative_asset, tokens,

@@ -492,6 +492,11 @@ impl Picture {
         self.film.noise()
     }
 
+    /// How far groups of Markov chains are from agreeing, where there are any: they do not above [`LARGEST_R_HAT`](crate::LARGEST_R_HAT).
+    pub fn r_hat(&self) -> Option<f64> {
+        self.film.r_hat()
+    }
+
     /// What can be saved as a checkpoint: pictures rendered in passes.
     pub fn snapshot(&self) -> Option<Snapshot<'_>> {
         let Picture { film, groups, settings, position, stats, threads, .. } = self;

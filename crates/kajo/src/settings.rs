@@ -352,7 +352,9 @@ mod tests {
         assert_eq!(left_out("path", true), "");
         assert!(left_out("direct", false).contains("Doppler"));
         assert!(left_out("distribution", true).contains("one path"));
-        for integrator in ["classic", "bidirectional", "light", "mlt", "photon", "sppm", "vcm", "occlusion"] {
+        for integrator in
+            ["classic", "bidirectional", "light", "mlt", "mmlt", "photon", "sppm", "vcm", "occlusion"]
+        {
             assert!(left_out(integrator, false).contains("`Lorentz`"), "{integrator}");
         }
     }

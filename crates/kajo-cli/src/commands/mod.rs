@@ -32,7 +32,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::farm;
 use crate::interrupt::Interrupt;
-use crate::job::{Done, Job, Voice, has_errors};
+use crate::job::{Done, Job, Voice, has_errors, in_figures};
 use crate::output::Destination;
 use crate::progress::{Meter, in_short};
 
@@ -95,7 +95,9 @@ fn statistics(done: &Done) -> String {
         ("samples", stats.samples),
         ("threads", stats.threads as u64),
     ];
-    let lines: Vec<String> = rays.iter().map(|(name, count)| format!("  {name:<16}{count:>16}")).collect();
+    let mut lines: Vec<String> =
+        rays.iter().map(|(name, count)| format!("  {name:<16}{count:>16}")).collect();
+    lines.extend(done.r_hat.map(|r_hat| format!("  {:<16}{:>16}", "R-hat of chains", in_figures(r_hat))));
     format!("{}\n  {:<16}{:>16.3}", lines.join("\n"), "seconds", stats.seconds)
 }
 

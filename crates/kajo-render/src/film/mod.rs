@@ -46,6 +46,7 @@ use sums::Sums;
 use fixed::Term;
 
 use crate::{
+    ChainCounts,
     context::Splat,
     rect::{Grid, Rect},
 };
@@ -61,6 +62,8 @@ pub struct Film {
     blocks: Vec<Mutex<Block>>,
     samples: AtomicU64,
     non_finite: AtomicU64,
+    /// Where Markov chains were.
+    chains: Mutex<ChainCounts>,
 }
 
 /// What a film knows about one cell of its grid.
@@ -100,7 +103,8 @@ impl Film {
             .try_reserve_exact(count)
             .map_err(|_| FilmError::OutOfMemory { needed: spec.bytes() as f64 / 1e6 })?;
         blocks.resize_with(count, Mutex::default);
-        Ok(Film { spec, grid, blocks, samples: AtomicU64::new(0), non_finite: AtomicU64::new(0) })
+        let (samples, non_finite) = (AtomicU64::new(0), AtomicU64::new(0));
+        Ok(Film { spec, grid, blocks, samples, non_finite, chains: Mutex::default() })
     }
 
     /// What the film holds.
@@ -123,6 +127,15 @@ impl Film {
         self.non_finite.load(Ordering::Relaxed)
     }
 
+    /// How far groups of Markov chains are from agreeing; see [`ChainCounts::r_hat`].
+    pub fn r_hat(&self) -> Option<f64> {
+        self.chains().r_hat()
+    }
+
+    fn chains(&self) -> MutexGuard<'_, ChainCounts> {
+        self.chains.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Adds a part. The film does not depend on the order in which parts come.
     ///
     /// # Errors
@@ -143,6 +156,7 @@ impl Film {
     pub(crate) fn add(&self, part: &FilmPart) {
         self.samples.fetch_add(part.samples, Ordering::Relaxed);
         self.non_finite.fetch_add(part.non_finite, Ordering::Relaxed);
+        self.chains().absorb(&part.chains);
         let cells = self.grid.cells_over(&part.rect());
         for row in cells.y0..cells.y1 {
             for column in cells.x0..cells.x1 {
@@ -177,6 +191,7 @@ impl Film {
         }
         self.samples.fetch_add(other.samples(), Ordering::Relaxed);
         self.non_finite.fetch_add(other.non_finite(), Ordering::Relaxed);
+        self.chains().absorb(&other.chains());
         for (mine, other) in self.blocks.iter().zip(other.blocks) {
             let mut mine = mine.lock().unwrap_or_else(PoisonError::into_inner);
             let other = other.into_inner().unwrap_or_else(PoisonError::into_inner);

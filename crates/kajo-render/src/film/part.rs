@@ -15,7 +15,7 @@ use super::{
     sums::Sums,
     values::{MAX_CHANNELS, filtered_values},
 };
-use crate::{Auxiliary, PixelSample, context::Splats, rect::Rect};
+use crate::{Auxiliary, ChainCounts, PixelSample, context::Splats, rect::Rect};
 
 /// What some samples bring to a rectangle of a film, and their splats to all of it. Parts add up exactly, in any
 /// order.
@@ -26,6 +26,8 @@ pub struct FilmPart {
     pub(crate) store: Store,
     /// Light for other positions.
     pub(crate) splats: Splats,
+    /// Where Markov chains were.
+    pub(crate) chains: ChainCounts,
     /// Samples taken.
     pub(crate) samples: u64,
     /// Samples with values that were not finite numbers.
@@ -54,6 +56,7 @@ impl FilmPart {
             reach: spec.filter.radius().map(|radius| Reach::new(radius, sampler)),
             store: if single { Store::Pixels(Pixels::empty()) } else { Store::Sums(Sums::empty(spec)) },
             splats: Splats::default(),
+            chains: ChainCounts::default(),
             samples: 0,
             non_finite: 0,
             values: [0.0; MAX_CHANNELS],
@@ -78,6 +81,7 @@ impl FilmPart {
             Store::Pixels(pixels) => pixels.reset(&self.spec, rect),
         }
         self.splats.clear();
+        self.chains.clear();
         self.samples = 0;
         self.non_finite = 0;
     }
@@ -137,6 +141,12 @@ impl FilmPart {
     pub fn take_splats(&mut self, splats: &mut Splats) {
         std::mem::swap(&mut self.splats, splats);
         splats.clear();
+    }
+
+    /// Takes over what the chains of the part's samples have counted, and leaves nothing behind.
+    pub fn take_chains(&mut self, chains: &mut ChainCounts) {
+        std::mem::swap(&mut self.chains, chains);
+        chains.clear();
     }
 }
 

@@ -1,6 +1,6 @@
 //! A film as bytes, for checkpoints.
 //!
-//! For each block, row by row: what camera rays brought, after a byte that is 1 when there is something, and the
+//! First numbers of samples, and a byte that is 1 when Markov chains have counted, with their counts. Then for each block, row by row: what camera rays brought, after a byte that is 1 when there is something, and the
 //! splats likewise. Sums are written in the least number of bytes that holds all numbers of an array, little-endian,
 //! after a byte with that number. How long an array is follows from the [`FilmSpec`], so that nothing is allocated by
 //! what a file says.
@@ -11,8 +11,9 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
-use super::numbers::{bytes, flag, invalid};
+use super::numbers::{bytes, flag, invalid, restore_array, save_numbers};
 use super::{Block, Camera, Film, FilmError, FilmSpec, Layer, splats::SplatSums, sums::Sums};
+use crate::ChainCounts;
 
 /// Blocks that a thread makes into bytes before it hands these over.
 const RUN: usize = 8;
@@ -36,6 +37,7 @@ impl Film {
         }
         out.write_all(&self.samples().to_le_bytes())?;
         out.write_all(&self.non_finite().to_le_bytes())?;
+        out.write_all(&saved_chains(&self.chains()))?;
         let runs = self.blocks.len().div_ceil(RUN);
         let cores = || thread::available_parallelism().map_or(1, |n| n.get());
         let encoders = match threads {
@@ -85,6 +87,9 @@ impl Film {
             }
             counter.store(count, Ordering::Relaxed);
         }
+        if flag(input)? {
+            restore_array(film.chains().numbers_mut(), input)?;
+        }
         for row in 0..film.grid.rows() {
             for column in 0..film.grid.columns() {
                 let rect = film.grid.cell(column, row);
@@ -104,6 +109,14 @@ impl Film {
         }
         Ok(film)
     }
+}
+
+fn saved_chains(chains: &ChainCounts) -> Vec<u8> {
+    let mut bytes = vec![u8::from(!chains.numbers().is_empty())];
+    if bytes == [1] {
+        save_numbers(chains.numbers().iter().map(|&n| n.into()), &mut bytes);
+    }
+    bytes
 }
 
 fn save_block(block: &Block, out: &mut Vec<u8>) {

@@ -24,7 +24,7 @@ pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use choice::{AUTO, CHOICES, Choice, choose};
 pub use classic::{Classic, ClassicSettings};
 pub use irradiance::{IrradianceCaching, IrradianceSettings};
-pub use metropolis::{Metropolis, MetropolisSettings};
+pub use metropolis::{Metropolis, MetropolisSettings, MutatedSamples};
 pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};
 pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
@@ -111,7 +111,7 @@ settings! {
 }
 
 /// All integrators, by their names.
-pub const INTEGRATORS: [&IntegratorSpec; 12] = [
+pub const INTEGRATORS: [&IntegratorSpec; 13] = [
     &bidir::BIDIRECTIONAL,
     &classic::CLASSIC,
     &path::DIRECT,
@@ -119,6 +119,7 @@ pub const INTEGRATORS: [&IntegratorSpec; 12] = [
     &irradiance::IRRADIANCE,
     &bidir::LIGHT,
     &metropolis::METROPOLIS,
+    &metropolis::MULTIPLEXED,
     &ambient_occlusion::OCCLUSION,
     &path::PATH,
     &photon::PHOTON,

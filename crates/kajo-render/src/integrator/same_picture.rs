@@ -1,5 +1,5 @@
 //! The law that a picture is a function of the scene and the seed: whatever the threads, the tiles, and the moments at which a render is
-//! stopped and taken up again.
+//! stopped and taken up again. Whether Markov chains agree is the same function.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -46,6 +46,7 @@ pub fn assert_same_picture<I: PixelIntegrator + ?Sized>(
         let (again, stopped) = (film(), film());
         render(integrator, &again, &with(threads, tile), &Silent).expect("a render");
         assert_eq!(bits(&whole), bits(&again), "{threads} threads");
+        assert_eq!(whole.r_hat(), again.r_hat(), "{threads} threads");
         let mut position = Position::default();
         let go_on = &mut |_: &Film, _: &Position, _: &RenderStats| ControlFlow::Continue(());
         let mut stops = 0;
@@ -63,5 +64,6 @@ pub fn assert_same_picture<I: PixelIntegrator + ?Sized>(
         }
         assert!(stops > 1, "{threads} threads were stopped {stops} times");
         assert_eq!(bits(&whole), bits(&stopped), "{threads} threads, stopped {stops} times");
+        assert_eq!(whole.r_hat(), stopped.r_hat(), "{threads} threads, stopped {stops} times");
     }
 }

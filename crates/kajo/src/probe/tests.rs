@@ -71,6 +71,7 @@ fn ways() -> Vec<Settings> {
         Settings { spectral: Some(true), ..of("bidirectional") },
         of("light"),
         of("mlt"),
+        of("mmlt"),
         Settings { merging: Some(false), ..of("vcm") },
     ]
     .into_iter()
@@ -115,7 +116,7 @@ fn contributions_add_up_to_the_sample() {
             let setup = render::schedule(&settings, &Resources::default());
             let with_state = states.at(index, &setup.setup(&Silent), &mut RayCounters::default()).unwrap();
             let integrator =
-                with_state.filter(|_| settings.integrator.name.0 != "mlt").unwrap_or(&*integrator);
+                with_state.filter(|_| !settings.integrator.name.0.ends_with("mlt")).unwrap_or(&*integrator);
             let mut ctx = SampleContext::new(&sampler, settings.seed);
             let pixel = [place.x as u32, place.y as u32];
             ctx.begin(pixel, index);

@@ -63,7 +63,7 @@ mod tests {
         for (text, users) in [
             (
                 "bounces 3",
-                "classic path direct distribution bidirectional irradiance light photon sppm mlt vcm",
+                "classic path direct distribution bidirectional irradiance light photon sppm mlt mmlt vcm",
             ),
             ("weight 0.1", "classic"),
             ("shadows off", "classic"),
@@ -86,10 +86,16 @@ mod tests {
             ("showRecords on", "irradiance"),
             ("directions cosine", "path direct distribution"),
             ("technique lights", "path direct distribution"),
-            ("roulette off", "path direct distribution bidirectional irradiance light photon sppm mlt vcm"),
-            ("spectral on", "path direct distribution bidirectional light sppm mlt vcm"),
+            (
+                "roulette off",
+                "path direct distribution bidirectional irradiance light photon sppm mlt mmlt vcm",
+            ),
+            ("spectral on", "path direct distribution bidirectional light sppm mlt mmlt vcm"),
             ("caustics manifold", "path"),
-            ("lightChoice uniform", "path direct distribution bidirectional irradiance photon sppm mlt vcm"),
+            (
+                "lightChoice uniform",
+                "path direct distribution bidirectional irradiance photon sppm mlt mmlt vcm",
+            ),
             ("reach 2", "occlusion"),
         ] {
             for name in integrator::NAMES {

@@ -155,7 +155,7 @@ class Settings(Block):
         size: columns and rows of the picture (2 whole numbers from 1 to 16777216, pixels).
             Default: 800 600.
         integrator: how light is followed (auto, bidirectional, classic, direct, distribution,
-            irradiance, light, mlt, occlusion, path, photon, sppm or vcm). Default: classic.
+            irradiance, light, mlt, mmlt, occlusion, path, photon, sppm or vcm). Default: classic.
         samples: rays of each pixel (bluenoise, cmj, jittered, pmj, poisson, regular, sobol,
             uniform or zsobol; then a whole number from 1 to 1048576). Default: by the integrator.
         bounces: surfaces that light is followed over (whole number from 0 to 1000). Default: by
@@ -218,7 +218,7 @@ class Settings(Block):
     def __init__(
         self, *children: Item, name: str | None = None,
         size: int | Sequence[int] | None = None,
-        integrator: Literal["auto", "bidirectional", "classic", "direct", "distribution", "irradiance", "light", "mlt", "occlusion", "path", "photon", "sppm", "vcm"] | None = None,
+        integrator: Literal["auto", "bidirectional", "classic", "direct", "distribution", "irradiance", "light", "mlt", "mmlt", "occlusion", "path", "photon", "sppm", "vcm"] | None = None,
         samples: Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"] | tuple[Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"], int] | None = None,
         bounces: int | None = None,
         shadows: Literal["off", "on", "transparent"] | None = None,

@@ -228,7 +228,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         y: &Vertex<'a, V>,
         z: &Vertex<'a, V>,
         technique: Technique,
-        Carried { wavelengths, time, hero, .. }: Carried<'_>,
+        Carried { wavelengths, time, hero, .. }: Carried<'_, impl Copy>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -282,7 +282,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         &self,
         y: &Vertex<'a, V>,
         technique: Technique,
-        Carried { wavelengths, time, hero, .. }: Carried<'_>,
+        Carried { wavelengths, time, hero, .. }: Carried<'_, impl Copy>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -330,7 +330,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     /// Takes four numbers: two for the lens, two for the light and the position on it.
     pub(super) fn light_on_lens(
         &self,
-        Carried { wavelengths, time, hero, .. }: Carried<'_>,
+        Carried { wavelengths, time, hero, .. }: Carried<'_, impl Copy>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {

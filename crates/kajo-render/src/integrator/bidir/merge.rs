@@ -38,6 +38,7 @@ use kajo_math::Vec3;
 use kajo_math::rng::mix;
 
 use super::partial_mis::square;
+use super::techniques::AllTechniques;
 use super::{Bidirectional, CameraEnd, Carried, Contribution, Technique, Vertex, Volume};
 use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored, dither};
 use crate::integrator::transport::{LaneMis, SurfaceInteraction};
@@ -271,7 +272,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let time = draws.number_if(self.view.scene.moves());
         let hero = if V::HAS_MEDIA { LaneMis::new(wavelengths, draws.next_1d()).hero } else { 0 };
         path.clear();
-        self.follow_light(counting, path, draws, Carried { wavelengths, time, hero, merging: Some(merging) });
+        let techniques = AllTechniques(Some(merging));
+        let carried = Carried { wavelengths, time, hero, techniques };
+        self.follow_light(counting, path, draws, carried);
         let moment = merging.moment(time);
         for (j, vertex) in (0..).zip(&*path) {
             batch.extend(merging.stored(vertex, j, moment, dither(i, j)));
@@ -282,7 +285,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     #[inline(never)]
     pub(super) fn merge<O: PathObserver>(
         &self,
-        end: &CameraEnd<'_, '_, '_, V>,
+        end: &CameraEnd<'_, '_, '_, V, impl Copy>,
         z: &mut Vertex<'a, V>,
         merging: &Merging,
         observer: &mut O,

@@ -28,6 +28,7 @@ mod merge;
 mod partial_mis;
 mod settings;
 mod subpath;
+mod techniques;
 mod vertex;
 mod volume;
 
@@ -52,7 +53,7 @@ use super::transport::{
     shade,
 };
 use crate::context::emptied;
-use crate::trail::{PathObserver, RayKind};
+use crate::trail::{Counting, PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 use connect::LightEndPdf;
 pub(super) use connect::SegmentShare;
@@ -63,6 +64,8 @@ pub(super) use merge::{MergePass, Merging};
 use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 pub(super) use subpath::Subpath;
+pub(super) use techniques::Technique;
+use techniques::{AllTechniques, Techniques};
 pub(super) use vertex::Vertex;
 pub(super) use volume::{NoMedia, Volume, WithMedia};
 
@@ -92,24 +95,14 @@ pub(super) fn integrator_of<'a>(
 
 /// What both ends of a sample's paths begin with.
 #[derive(Clone, Copy, Debug)]
-struct Carried<'a> {
+struct Carried<'a, T = AllTechniques<'a, Merging>> {
     wavelengths: &'a Wavelengths,
     /// Moment within the shutter interval.
     time: f32,
     /// The lane that draws distances in media.
     hero: u32,
-    /// What vertices are merged with, if they are.
-    merging: Option<&'a Merging>,
-}
-
-/// A sampling technique: how many vertices of the path are drawn from either end.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(not(test), expect(dead_code, reason = "tests look at each technique by itself"))]
-struct Technique {
-    /// From the light.
-    s: u32,
-    /// From the camera.
-    t: u32,
+    /// The techniques that are evaluated.
+    techniques: T,
 }
 
 /// Light that one technique has found.
@@ -164,7 +157,7 @@ impl VisibleSurface {
 }
 
 /// The path from the camera while it grows.
-struct CameraEnd<'a, 's, 'b, V> {
+struct CameraEnd<'a, 's, 'b, V, T> {
     path: Subpath<'s>,
     /// Where its ray ended.
     surface: SurfaceInteraction,
@@ -177,7 +170,7 @@ struct CameraEnd<'a, 's, 'b, V> {
     visible: VisibleSurface,
     camera_ray: &'a Ray,
     /// What the sample began with.
-    carried: Carried<'a>,
+    carried: Carried<'a, T>,
 }
 
 impl<'a> Bidirectional<'a> {
@@ -241,36 +234,43 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         self.settings.bounces.saturating_add(3)
     }
 
-    /// Hands all light that one sample finds to `found`.
-    fn estimate<O: PathObserver>(
+    /// Hands all light that one sample finds by these techniques to `found`.
+    fn estimate<O: PathObserver, T: Techniques<Merging>>(
         &self,
         mut draws: SampleStream<'_>,
         observer: &mut O,
         raster: Vec2,
         light_path: &mut Vec<Vertex<'a, V>>,
-        merging: Option<&Merging>,
+        techniques: T,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
         light_path.clear();
         let from_light = draws.split(0, 0, 1);
         let Some(ray) = self.view.ray(raster, &mut draws) else { return VisibleSurface::default() };
         let own = self.view.wavelengths(&mut draws);
-        let wavelengths = merging.map_or(own, |merging| *merging.wavelengths());
+        let wavelengths = techniques.merging().map_or(own, |merging| *merging.wavelengths());
         let hero = if V::HAS_MEDIA { LaneMis::new(&wavelengths, draws.next_1d()).hero } else { 0 };
-        let carried = Carried { wavelengths: &wavelengths, time: ray.time, hero, merging };
+        let carried = Carried { wavelengths: &wavelengths, time: ray.time, hero, techniques };
         let root = observer.mark();
         let mut from_light = self.follow_light(observer, light_path, from_light, carried);
         if self.joins_lens()
+            && techniques.has(1, 1)
             && let Some(seen) = self.light_on_lens(carried, &mut from_light, observer)
         {
             found(seen, &wavelengths);
         }
         let seen = if self.connects() { &light_path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
+            if !techniques.has(s, 1) {
+                continue;
+            }
             observer.back_to_noted(s - 2);
             if let Some(seen) = self.splat(y, Technique { s, t: 1 }, carried, &mut from_light, observer) {
                 found(seen, &wavelengths);
             }
+        }
+        if !techniques.needs_camera_vertex_after(1) {
+            return VisibleSurface::default();
         }
         observer.back_to(root);
         self.follow_camera(observer, light_path, draws, ray, carried, found)
@@ -280,15 +280,18 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     ///
     /// The path carries power: `beta` begins as `Le |cos| / (p_light p_position p_direction)`, and the power that arrives at a
     /// surface is scattered on by `f |cos| / p`.
-    fn follow_light<'s, O: PathObserver>(
+    fn follow_light<'s, O: PathObserver, T: Techniques<Merging>>(
         &self,
         observer: &mut O,
         vertices: &mut Vec<Vertex<'a, V>>,
         mut draws: SampleStream<'s>,
-        carried: Carried<'_>,
+        carried: Carried<'_, T>,
     ) -> SampleStream<'s> {
         let scene = self.scene();
-        let Carried { wavelengths, time, hero, merging } = carried;
+        let Carried { wavelengths, time, hero, techniques } = carried;
+        if !techniques.needs_light_vertex_after(1) {
+            return draws;
+        }
         let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);
         let Some((chosen, emitted)) = drawn else { return draws };
         let SampledLight { light, probability, .. } = chosen;
@@ -313,12 +316,13 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             if vertices.is_empty() {
                 self.weigh_first(&mut vertex, &emitted, chosen, time);
             }
-            if let Some(merging) = merging.filter(|_| collision.is_none()) {
+            if let Some(merging) = techniques.merging().filter(|_| collision.is_none()) {
                 merging.weigh(scene, &surface, &mut vertex);
             }
             vertices.push(vertex);
             observer.note();
-            let (is_last, roulette) = (vertices.len() as u32 + 2 == self.longest(), self.settings.roulette);
+            let (s, roulette) = (vertices.len() as u32 + 1, self.settings.roulette);
+            let is_last = s + 1 == self.longest() || !techniques.needs_light_vertex_after(s);
             if is_last || !path.scatter_at(&vertex, &surface, collision.as_ref(), roulette, observer) {
                 break;
             }
@@ -345,13 +349,13 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     }
 
     /// Follows a path from the camera and connects each of its vertices with the light's path.
-    fn follow_camera<O: PathObserver>(
+    fn follow_camera<O: PathObserver, T: Techniques<Merging>>(
         &self,
         observer: &mut O,
         light_path: &[Vertex<'a, V>],
         draws: SampleStream<'_>,
         ray: Ray,
-        carried: Carried<'_>,
+        carried: Carried<'_, T>,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
         let wavelengths = carried.wavelengths;
@@ -384,14 +388,16 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             if self.settings.only_from_lights {
                 break;
             }
-            if let Some(merging) = carried.merging {
+            if let Some(merging) = carried.techniques.merging() {
                 self.merge(&end, &mut z, merging, observer, found);
             }
             if !z.is_delta() {
                 self.connect_vertex(&mut end, &z, light_path, observer, found);
             }
-            let collision = end.collision.as_ref();
-            if !end.path.scatter_at(&z, &end.surface, collision, self.settings.roulette, observer) {
+            let (collision, roulette) = (end.collision.as_ref(), self.settings.roulette);
+            let goes_on = carried.techniques.needs_camera_vertex_after(end.t)
+                && end.path.scatter_at(&z, &end.surface, collision, roulette, observer);
+            if !goes_on {
                 break;
             }
             end.from = Some(z);
@@ -405,9 +411,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
 
     /// Follows the camera's path to its next vertex, and hands over the light that it hits before (`s = 0`). Returns
     /// the scattering there, that of nothing in a medium; `None` where the path ends.
-    fn next_vertex<O: PathObserver>(
+    fn next_vertex<O: PathObserver, T: Techniques<Merging>>(
         &self,
-        end: &mut CameraEnd<'_, '_, 'a, V>,
+        end: &mut CameraEnd<'_, '_, 'a, V, T>,
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> Option<Bsdf<'a>> {
@@ -417,21 +423,22 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         if V::HAS_MEDIA {
             *collision = None;
         }
-        let is_last = *t == self.longest();
+        let (is_last, hits) = (*t == self.longest(), carried.techniques.has(0, *t));
+        let mut hit = |light: Contribution, observer: &mut O| {
+            if hits {
+                observer.found(|| light.value(wavelengths));
+                found(light, wavelengths);
+            }
+        };
         loop {
             let event = advance(scene, &mut path.state, surface, &mut visible.first, observer);
             if V::HAS_MEDIA && !path.state.emitted.is_black() {
-                let emitted = path.medium_emission();
-                observer.found(|| emitted.value(wavelengths));
-                found(emitted, wavelengths);
+                hit(path.medium_emission(), observer);
             }
             match event {
                 Event::Surface => {}
                 Event::Escaped(d) => {
-                    self.hit_background(path, d, camera_ray, from.as_ref(), |far| {
-                        observer.found(|| far.value(wavelengths));
-                        found(far, wavelengths);
-                    });
+                    self.hit_background(path, d, camera_ray, from.as_ref(), |far| hit(far, observer));
                     return None;
                 }
                 Event::Medium(at) if V::HAS_MEDIA => {
@@ -447,9 +454,8 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             if *t == 2 {
                 self.set_first_pdf(path, camera_ray, surface.at.point.p);
             }
-            if let Some(hit) = self.hit_emission(path, &surface.at, surface.wo, camera_ray, from.as_ref()) {
-                observer.found(|| hit.value(wavelengths));
-                found(hit, wavelengths);
+            if let Some(light) = self.hit_emission(path, &surface.at, surface.wo, camera_ray, from.as_ref()) {
+                hit(light, observer);
             }
             // The last surface may be a hole or a pane.
             if is_last && !scene.appearance.has_passages {
@@ -483,9 +489,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
 
     /// Joins a vertex of the camera's path with a light drawn for it (`s = 1`) and with all vertices of the light's path
     /// (`s > 1`).
-    fn connect_vertex<O: PathObserver>(
+    fn connect_vertex<O: PathObserver, T: Techniques<Merging>>(
         &self,
-        end: &mut CameraEnd<'_, '_, 'a, V>,
+        end: &mut CameraEnd<'_, '_, 'a, V, T>,
         z: &Vertex<'a, V>,
         light_path: &[Vertex<'a, V>],
         observer: &mut O,
@@ -493,12 +499,16 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     ) {
         let (t, carried) = (end.t, end.carried);
         let wavelengths = carried.wavelengths;
-        if let Some(lit) = self.direct_light(&mut end.path.state, z, t, observer) {
+        if carried.techniques.has(1, t)
+            && let Some(lit) = self.direct_light(&mut end.path.state, z, t, observer)
+        {
             found(lit, wavelengths);
         }
         let draws = &mut end.path.state.draws;
         for (s, y) in (2..=self.longest() - t).zip(light_path) {
-            if let Some(joined) = self.join(y, z, Technique { s, t }, carried, draws, observer) {
+            if carried.techniques.has(s, t)
+                && let Some(joined) = self.join(y, z, Technique { s, t }, carried, draws, observer)
+            {
                 found(joined, wavelengths);
             }
         }
@@ -586,12 +596,23 @@ impl<'a, V: ReusedVolume<'a>> Bidirectional<'a, V> {
         merging: Option<&Merging>,
         observer: &mut O,
     ) -> PixelSample {
+        self.observe_techniques(ctx, raster, AllTechniques(merging), observer)
+    }
+
+    /// As [`Integrator::observe`] by these techniques.
+    fn observe_techniques<O: PathObserver, T: Techniques<Merging>>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        raster: Vec2,
+        techniques: T,
+        observer: &mut O,
+    ) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
         let mut path = V::reused(mem::take(scratch.get::<Vec<Vertex<'static, V::Kept>>>()));
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
         let visible =
-            self.estimate(*draws, observer, raster, &mut path, merging, &mut |found, wavelengths| {
+            self.estimate(*draws, observer, raster, &mut path, techniques, &mut |found, wavelengths| {
                 let value = found.value(wavelengths);
                 match found.raster {
                     Some(raster) => splats.add(raster, value),
@@ -622,6 +643,21 @@ impl<'a, V: ReusedVolume<'a>> Integrator for Bidirectional<'a, V> {
         observer: &mut O,
     ) -> PixelSample {
         self.observe_merging(ctx, raster, None, observer)
+    }
+}
+
+/// Takes samples by one technique alone.
+pub(super) trait SingleTechnique: Sync {
+    /// The light that a sample finds by the technique, with its weight among all of them; as [`PixelIntegrator::sample`].
+    fn sample_by(&self, ctx: &mut SampleContext<'_>, raster: Vec2, technique: Technique) -> PixelSample;
+}
+
+impl<'a, V: ReusedVolume<'a>> SingleTechnique for Bidirectional<'a, V> {
+    fn sample_by(&self, ctx: &mut SampleContext<'_>, raster: Vec2, technique: Technique) -> PixelSample {
+        let mut counting = Counting::new(ctx);
+        let sample = self.observe_techniques(ctx, raster, technique, &mut counting);
+        ctx.rays = counting.rays;
+        sample
     }
 }
 

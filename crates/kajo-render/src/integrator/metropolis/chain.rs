@@ -4,8 +4,9 @@ use kajo_core::sampler::Sampler;
 use kajo_math::rng::{Key, Stream, unit};
 use kajo_math::{Vec2, fmath};
 
+use super::mutated::Mutated;
 use crate::context::{Scratch, Splat};
-use crate::{PixelIntegrator, RayCounters, SampleContext};
+use crate::{RayCounters, SampleContext};
 
 /// Numbers of a path that a chain keeps, and of the path beside it.
 pub const KEPT: [usize; 2] = [96, 48];
@@ -25,6 +26,15 @@ const SALT: u64 = 0x6D75_7461_7465;
 pub struct Start {
     pub seed: u64,
     pub number: u32,
+    /// The class of its paths; see [`Mutated`].
+    pub class: u32,
+}
+
+/// The mean importance of the samples of a class, and that of all classes.
+#[derive(Clone, Copy, Debug)]
+pub struct Brightness {
+    pub of_class: f64,
+    pub of_all: f64,
 }
 
 /// The light of a sample.
@@ -32,13 +42,19 @@ pub struct Start {
 pub struct Light {
     /// Where it is seen.
     splats: Vec<Splat>,
+    /// Where the brightest of it is seen.
+    brightest: Vec2,
     /// The mean over the channels of the absolute value of its sum: 0 only where it is black.
     pub importance: f32,
 }
 
 /// Numbers of a sample: those that are kept, path by path.
 #[derive(Clone, Debug)]
-struct Numbers([Vec<f32>; 2]);
+struct Numbers {
+    paths: [Vec<f32>; 2],
+    /// Chooses the technique, where samples have one alone.
+    technique: f32,
+}
 
 impl Numbers {
     fn of(start: &Start) -> Numbers {
@@ -46,13 +62,14 @@ impl Numbers {
             let stream = Stream::new(start.seed, [start.number, path as u32], 0);
             (0..KEPT[path] as u32).map(|d| stream.uniform(d)).collect()
         };
-        Numbers([numbers(0), numbers(1)])
+        let technique = Stream::new(start.seed, [start.number, 2], 0).uniform(0);
+        Numbers { paths: [numbers(0), numbers(1)], technique }
     }
 }
 
 /// Takes samples by given numbers.
 pub struct Evaluation<'a> {
-    integrator: &'a dyn PixelIntegrator,
+    mutated: Mutated<'a>,
     size: [u32; 2],
     sampler: Sampler,
     scratch: Scratch,
@@ -63,18 +80,18 @@ pub struct Evaluation<'a> {
 
 impl<'a> Evaluation<'a> {
     /// For independent samples.
-    pub fn alone(integrator: &'a dyn PixelIntegrator, size: [u32; 2]) -> Evaluation<'a> {
+    pub fn alone(mutated: Mutated<'a>, size: [u32; 2]) -> Evaluation<'a> {
         let sampler = Sampler::given(Vec::new(), Vec::new());
         let (scratch, rays) = (Scratch::default(), RayCounters::default());
-        Evaluation { integrator, size, sampler, scratch, rays, key: Key::new(SALT) }
+        Evaluation { mutated, size, sampler, scratch, rays, key: Key::new(SALT) }
     }
 
     /// For a chain: with the memory and the counters of a sample's surroundings, and random numbers that are its own.
-    pub fn of(integrator: &'a dyn PixelIntegrator, size: [u32; 2], ctx: &mut SampleContext<'_>) -> Self {
+    pub fn of(mutated: Mutated<'a>, size: [u32; 2], ctx: &mut SampleContext<'_>) -> Self {
         let [a, b] = [0, 1].map(|d| ctx.draws.stream().bits(d));
         let scratch = std::mem::take(&mut ctx.scratch);
         let key = Key::new(ctx.seed ^ SALT).part([a, b]);
-        Evaluation { scratch, rays: ctx.rays, key, ..Evaluation::alone(integrator, size) }
+        Evaluation { scratch, rays: ctx.rays, key, ..Evaluation::alone(mutated, size) }
     }
 
     /// Hands memory and counters back.
@@ -99,30 +116,40 @@ impl<'a> Evaluation<'a> {
     /// The light of a sample to begin at.
     pub fn begin(&mut self, start: &Start) -> Light {
         let mut light = Light::default();
-        self.light_of(&Numbers::of(start), start.seed ^ u64::from(start.number) << 20, &mut light);
+        let seed = start.seed ^ u64::from(start.number) << 20;
+        self.light_of(start.class, &Numbers::of(start), seed, &mut light);
         light
     }
 
     /// * `seed`: of the numbers that are not given
-    fn light_of(&mut self, numbers: &Numbers, seed: u64, light: &mut Light) {
-        let [path, beside] = &numbers.0;
+    fn light_of(&mut self, class: u32, numbers: &Numbers, seed: u64, light: &mut Light) {
+        let [path, beside] = &numbers.paths;
         self.sampler.give(path, beside);
         let mut ctx = SampleContext::new(&self.sampler, seed);
         ctx.scratch = std::mem::take(&mut self.scratch);
         ctx.rays = self.rays;
         let size = Vec2::from(self.size.map(|n| n as f32));
         let raster = ctx.begin([0, 0], 0) * size;
-        let sample = self.integrator.sample(&mut ctx, [0, 0], raster);
+        let (sample, scale) = self.mutated.sample(&mut ctx, raster, class, numbers.technique);
         light.splats.clear();
         light.splats.push(Splat { raster, value: sample.radiance });
         light.splats.extend_from_slice(ctx.splats.as_slice());
+        light.splats.iter_mut().for_each(|splat| splat.value = splat.value.map(|v| v * scale));
         light.splats.retain(|splat| splat.value != [0.0; 3] && is_within(splat.raster, size));
         let sum = light.splats.iter().fold([0.0; 3], |sum, splat| [0, 1, 2].map(|i| sum[i] + splat.value[i]));
-        let importance = sum.into_iter().map(f32::abs).sum::<f32>() / 3.0;
+        let importance = mean(sum);
         // What is no number is a bug that the film counts, and no place for a chain.
         light.importance = if importance.is_finite() { importance } else { 0.0 };
+        let first = Splat { raster, value: [0.0; 3] };
+        let brighter = |a: Splat, &b: &Splat| if mean(b.value) > mean(a.value) { b } else { a };
+        light.brightest = light.splats.iter().fold(first, brighter).raster;
         (self.scratch, self.rays) = (ctx.scratch, ctx.rays);
     }
+}
+
+/// The mean over the channels of absolute values.
+fn mean(value: [f32; 3]) -> f32 {
+    value.into_iter().map(f32::abs).sum::<f32>() / 3.0
 }
 
 /// Whether a position lies in the picture.
@@ -132,6 +159,7 @@ fn is_within(raster: Vec2, size: Vec2) -> bool {
 
 /// A chain, and where it is.
 pub struct Chain {
+    class: u32,
     numbers: Numbers,
     light: Light,
     /// Where it may go.
@@ -143,17 +171,22 @@ impl Chain {
     pub fn new(start: Start, evaluation: &mut Evaluation<'_>) -> Chain {
         let numbers = Numbers::of(&start);
         let light = evaluation.begin(&start);
-        Chain { proposal: (numbers.clone(), Light::default()), numbers, light }
+        Chain { class: start.class, proposal: (numbers.clone(), Light::default()), numbers, light }
+    }
+
+    /// Where the brightest part of its light is seen, in pixels.
+    pub fn brightest(&self) -> Vec2 {
+        self.light.brightest
     }
 
     /// Mutation `m`: hands the light of both states to `found`, such that the mean over mutations of the sum of what is found is that of
     /// the picture, and moves or stays.
     ///
-    /// * `b`: mean importance of the picture
+    /// * `b`: mean importance of the picture, and of the chain's class
     pub fn mutate(
         &mut self,
         m: u32,
-        b: f64,
+        b: Brightness,
         evaluation: &mut Evaluation<'_>,
         found: &mut dyn FnMut(Vec2, [f32; 3]),
     ) {
@@ -161,14 +194,22 @@ impl Chain {
         let [choice, by_chance, seed] = key.words([0, 0]);
         let is_large = unit(choice) < LARGE_STEP;
         let (numbers, light) = &mut self.proposal;
-        for (path, (proposed, current)) in numbers.0.iter_mut().zip(&self.numbers.0).enumerate() {
+        for (path, (proposed, current)) in numbers.paths.iter_mut().zip(&self.numbers.paths).enumerate() {
             propose(is_large, key.part([1, path as u32]), current, proposed);
         }
-        evaluation.light_of(numbers, u64::from(seed) << 32 | u64::from(by_chance), light);
+        propose(
+            is_large,
+            key.part([1, 2]),
+            &[self.numbers.technique],
+            std::slice::from_mut(&mut numbers.technique),
+        );
+        evaluation.light_of(self.class, numbers, u64::from(seed) << 32 | u64::from(by_chance), light);
         let a = acceptance(self.light.importance, light.importance);
-        // [Kelemen et al. 2002, eq. 13]
+        // [Kelemen et al. 2002, eq. 13]; a chain of this class is drawn with the probability b_k/b [Hachisuka, Kaplanyan and Dachsbacher 2014].
+        let share_of_class = b.of_all / b.of_class;
         let weight = |share: f32, light: &Light| {
-            (f64::from(share) / (f64::from(light.importance) / b + f64::from(LARGE_STEP))) as f32
+            let importance = f64::from(light.importance) / b.of_class;
+            (f64::from(share) * share_of_class / (importance + f64::from(LARGE_STEP))) as f32
         };
         let shares = [a + f32::from(u8::from(is_large)), 1.0 - a];
         for (share, light) in shares.into_iter().zip([&*light, &self.light]) {

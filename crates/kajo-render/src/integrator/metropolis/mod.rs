@@ -22,9 +22,10 @@
 //! Each chain begins at a sample drawn in proportion to `I` of those that `b` was estimated by, so that it is where it would be after any
 //! number of mutations; no beginning has to be thrown away [Veach 1997, 11.3.1]. So chains may be short and many: one for each
 //! block of pixels and each sample of theirs, with a mutation for each pixel. It depends on the seed, the block and the sample alone, and its light goes
-//! to exact sums, so no split of the work changes a bit.
+//! to exact sums, so no split of the work changes a bit. Where its states have their light is counted too, to tell whether groups of chains agree; see [`ChainCounts`](crate::ChainCounts).
 
 mod chain;
+mod mutated;
 mod settings;
 mod start;
 
@@ -39,7 +40,8 @@ use crate::trail::PathObserver;
 use crate::{Layer, LayerSet, PixelIntegrator, PixelSample, Rect, SampleContext};
 use crate::{Setup, SetupError, WithState};
 use chain::{Chain, Evaluation};
-pub use settings::{METROPOLIS, MetropolisSettings};
+use mutated::Mutated;
+pub use settings::{METROPOLIS, MULTIPLEXED, MetropolisSettings, MutatedSamples};
 use start::Starts;
 
 /// Side of the block of pixels that shares a chain.
@@ -51,6 +53,8 @@ const UNSURE: f64 = 0.02;
 /// Moves samples of another integrator, before it knows where to begin.
 pub struct Metropolis<'a> {
     mutated: MutatedIntegrator<'a>,
+    /// Vertices of the longest paths, where samples have one technique alone.
+    by_technique: Option<u32>,
     size: [u32; 2],
     layers: LayerSet,
 }
@@ -88,12 +92,13 @@ impl<'a> Metropolis<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Metropolis<'a> {
-        let MetropolisSettings { bounces, light_choice, roulette, spectral, by_paths } = settings;
+        let MetropolisSettings { light_choice, roulette, spectral, samples, .. } = settings;
+        let bounces = settings.bounces_followed();
         // Light groups are not told apart, so that light may go anywhere.
         let own = LayerSet::of(
             &[Layer::Color, Layer::Albedo].map(|layer| if layers.has(layer) { layer } else { Layer::Color }),
         );
-        let mutated = if by_paths {
+        let mutated = if let MutatedSamples::OfPaths = samples {
             let path = PathSettings { bounces, light_choice, roulette, spectral, ..PathSettings::default() };
             MutatedIntegrator::Path(Path::through(camera, scene, path, size, own))
         } else {
@@ -106,15 +111,29 @@ impl<'a> Metropolis<'a> {
                 true => MutatedIntegrator::ThroughMedia(Bidirectional::made(camera, scene, both, size, own)),
             }
         };
-        Metropolis { mutated, size, layers }
+        let by_technique = matches!(samples, MutatedSamples::ByTechnique).then_some(bounces + 3);
+        Metropolis { mutated, by_technique, size, layers }
     }
 
     /// The integrator whose samples are mutated.
-    fn mutated(&self) -> &dyn PixelIntegrator {
+    fn integrator(&self) -> &dyn PixelIntegrator {
         match &self.mutated {
             MutatedIntegrator::Path(path) => path,
             MutatedIntegrator::Bidirectional(both) => both,
             MutatedIntegrator::ThroughMedia(both) => both,
+        }
+    }
+
+    /// Its samples, whole or by technique.
+    fn mutated(&self) -> Mutated<'_> {
+        match (self.by_technique, &self.mutated) {
+            (Some(longest), MutatedIntegrator::Bidirectional(integrator)) => {
+                Mutated::ByTechnique { integrator, longest }
+            }
+            (Some(longest), MutatedIntegrator::ThroughMedia(integrator)) => {
+                Mutated::ByTechnique { integrator, longest }
+            }
+            _ => Mutated::Whole(self.integrator()),
         }
     }
 
@@ -170,7 +189,7 @@ impl PixelIntegrator for Chains<'_> {
         let mut sample = PixelSample::default();
         if of.sees_surfaces() {
             let before = ctx.splats.as_slice().len();
-            sample.first = of.mutated().sample(ctx, pixel, raster).first;
+            sample.first = of.integrator().sample(ctx, pixel, raster).first;
             ctx.splats.truncate(before);
         }
         if let Some(block) = of.block(pixel) {
@@ -183,15 +202,23 @@ impl PixelIntegrator for Chains<'_> {
 impl Chains<'_> {
     /// Runs the chain of a block for one sample: as many mutations as it has pixels.
     fn run(&self, ctx: &mut SampleContext<'_>, block: [u32; 2], mutations: u32) {
-        let Some(start) = self.starts.draw(ctx.seed, block, ctx.index) else { return };
-        let mut evaluation = Evaluation::of(self.of.mutated(), self.of.size, ctx);
+        let size = self.of.size;
+        let [columns, rows] = size.map(|side| side.div_ceil(BLOCK));
+        let place = block[0] + block[1] * columns;
+        let chain = u64::from(place) + u64::from(ctx.index) * u64::from(columns) * u64::from(rows);
+        let Some(start) = self.starts.draw(ctx.seed, block, ctx.index, chain) else { return };
+        let mut evaluation = Evaluation::of(self.of.mutated(), size, ctx);
         let mut chain = Chain::new(start, &mut evaluation);
-        let b = self.starts.brightness();
+        let b = self.starts.brightness_of(&start);
+        let size = Vec2::from(size.map(|side| side as f32));
+        // Each group has as many chains as another one, whether there are many blocks or many samples.
+        let number = place.wrapping_add(ctx.index);
         for m in 0..mutations {
             if m % 64 == 63 && evaluation.is_given_up(ctx) {
                 break;
             }
             chain.mutate(m, b, &mut evaluation, &mut |raster, value| ctx.splats.add(raster, value));
+            ctx.chains.count(number, chain.brightest() / size);
         }
         evaluation.give_back(ctx);
     }

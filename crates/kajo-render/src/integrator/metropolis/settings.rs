@@ -6,7 +6,9 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use super::Metropolis;
-use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, bounces_from_both_ends};
+use crate::integrator::{
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
+};
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`Metropolis`].
@@ -20,8 +22,32 @@ pub struct MetropolisSettings {
     pub roulette: bool,
     /// Whether light is followed by wavelength.
     pub spectral: bool,
-    /// Whether samples of path tracing are moved, and not those of light from both ends.
-    pub by_paths: bool,
+    /// What is mutated.
+    pub samples: MutatedSamples,
+}
+
+/// The samples that Markov chains mutate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MutatedSamples {
+    /// Those of path tracing.
+    OfPaths,
+    /// Those of bidirectional path tracing.
+    OfBothEnds,
+    /// The same by one technique each, with chains for each number of vertices.
+    ByTechnique,
+}
+
+/// The most bounces where each has chains of its own.
+const MOST_BOUNCES: u32 = 200;
+
+impl MetropolisSettings {
+    /// Scattering events of the longest paths.
+    pub(super) fn bounces_followed(&self) -> u32 {
+        match self.samples {
+            MutatedSamples::ByTechnique => self.bounces.min(MOST_BOUNCES),
+            MutatedSamples::OfPaths | MutatedSamples::OfBothEnds => self.bounces,
+        }
+    }
 }
 
 impl Default for MetropolisSettings {
@@ -31,7 +57,7 @@ impl Default for MetropolisSettings {
             light_choice: LightChoice::Tree,
             roulette: true,
             spectral: false,
-            by_paths: false,
+            samples: MutatedSamples::OfBothEnds,
         }
     }
 }
@@ -44,18 +70,33 @@ pub const METROPOLIS: IntegratorSpec = IntegratorSpec {
     splats: true,
     samples: 64,
     keys: &[SettingsKey::Bounces, SettingsKey::LightChoice, SettingsKey::Roulette, SettingsKey::Spectral],
-    settings: |context| {
-        let (said, default) = (context.said, MetropolisSettings::default());
-        let bounces = bounces_from_both_ends(context.scene, default.bounces);
-        IntegratorSettings::Metropolis(MetropolisSettings {
-            bounces: said.bounces.unwrap_or(bounces),
-            light_choice: said.light_choice.unwrap_or(default.light_choice),
-            roulette: said.roulette.unwrap_or(default.roulette),
-            spectral: said.spectral.unwrap_or(default.spectral),
-            by_paths: default.by_paths,
-        })
-    },
+    settings: |context| said(context, MetropolisSettings::default()),
 };
+
+/// Multiplexed Metropolis light transport.
+pub const MULTIPLEXED: IntegratorSpec = IntegratorSpec {
+    name: IntegratorName("mmlt"),
+    about: "the same with chains for each number of bounces, that choose how paths are joined",
+    settings: |context| {
+        let samples = MutatedSamples::ByTechnique;
+        said(context, MetropolisSettings { samples, ..MetropolisSettings::default() })
+    },
+    ..METROPOLIS
+};
+
+/// What is said, and `default` where nothing is.
+fn said(context: &SettingsContext<'_>, default: MetropolisSettings) -> IntegratorSettings {
+    let said = context.said;
+    let settings =
+        MetropolisSettings { bounces: bounces_from_both_ends(context.scene, default.bounces), ..default };
+    IntegratorSettings::Metropolis(MetropolisSettings {
+        bounces: said.bounces.unwrap_or(settings.bounces_followed()),
+        light_choice: said.light_choice.unwrap_or(default.light_choice),
+        roulette: said.roulette.unwrap_or(default.roulette),
+        spectral: said.spectral.unwrap_or(default.spectral),
+        samples: default.samples,
+    })
+}
 
 impl Prepare for MetropolisSettings {
     fn prepare<'a>(
@@ -81,6 +122,8 @@ impl Prepare for MetropolisSettings {
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         let groups = scene.lighting.groups.len() > 1;
         let groups = groups.then_some("Markov chains do not tell groups of lights apart");
-        groups.into_iter().collect()
+        let bounces = (self.bounces_followed() < self.bounces)
+            .then_some("multiplexed Markov chains follow 200 bounces; `mlt` follows more");
+        groups.into_iter().chain(bounces).collect()
     }
 }

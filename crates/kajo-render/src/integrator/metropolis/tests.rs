@@ -7,17 +7,25 @@ use kajo_math::rng::Stream;
 use kajo_scene::MemoryAssets;
 use kajo_testkit::Estimate;
 
+use super::MutatedSamples::{ByTechnique, OfBothEnds, OfPaths};
 use super::chain::{acceptance, moved};
 use super::*;
 use crate::integrator::bidir::integrator_of;
 use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
-use crate::{Film, FilmSpec, RenderSettings, Silent, render};
+use crate::{
+    Film, FilmSpec, LARGEST_R_HAT, Position, RenderSettings, Silent, Unit, render, render_work_unit,
+};
 
 /// Chains that begin at fewer samples.
 struct Small<'a>(Metropolis<'a>);
 
 const FEW: u32 = 4096;
+
+/// Fewer of each class where there are many.
+fn few(of: &Metropolis<'_>) -> u32 {
+    FEW.min(6 * FEW / of.mutated().classes().len() as u32)
+}
 
 impl PixelIntegrator for Small<'_> {
     fn sample(&self, _: &mut SampleContext<'_>, _: [u32; 2], _: Vec2) -> PixelSample {
@@ -29,7 +37,7 @@ impl PixelIntegrator for Small<'_> {
     }
 
     fn with_state<'a>(&'a self, _: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
-        let (starts, rays) = Starts::of_samples(FEW, self.0.mutated(), self.0.size, setup)?;
+        let (starts, rays) = Starts::of_samples(few(&self.0), self.0.mutated(), self.0.size, setup)?;
         Ok(WithState { integrator: Box::new(Chains { of: &self.0, starts }), rays, notes: Vec::new() })
     }
 }
@@ -74,8 +82,8 @@ fn estimates(integrator: &dyn PixelIntegrator, samples: u32) -> [Estimate; 5] {
     [0, 1, 2, 3, 4].map(|region| Estimate::of_batches(|batch| batches[batch as usize][region]))
 }
 
-fn chains(scene: &Scene, bounces: u32, by_paths: bool) -> Small<'_> {
-    let settings = MetropolisSettings { bounces, by_paths, ..MetropolisSettings::default() };
+fn chains(scene: &Scene, bounces: u32, samples: MutatedSamples) -> Small<'_> {
+    let settings = MetropolisSettings { bounces, samples, ..MetropolisSettings::default() };
     Small(Metropolis::new(scene, settings, SIZE, LayerSet::of(&[Layer::Color])))
 }
 
@@ -146,17 +154,17 @@ impl PixelIntegrator for Ramp {
 #[test]
 fn a_chain_finds_a_ramp_of_known_brightness() {
     let pass = |seed: u64| {
-        let (starts, _) = Starts::of_samples(FEW, &Ramp, SIZE, &setup(seed)).unwrap();
+        let (starts, _) = Starts::of_samples(FEW, Mutated::Whole(&Ramp), SIZE, &setup(seed)).unwrap();
         let mut columns = [0.0; 24];
         let mutations = 40_000;
         let sampler = Sampler::new(SamplerKind::Uniform, 1);
         let mut ctx = SampleContext::new(&sampler, seed);
         ctx.begin([0, 0], 0);
-        let start = starts.draw(seed, [0, 0], 0).unwrap();
-        let mut evaluation = Evaluation::of(&Ramp, SIZE, &mut ctx);
+        let start = starts.draw(seed, [0, 0], 0, 0).unwrap();
+        let mut evaluation = Evaluation::of(Mutated::Whole(&Ramp), SIZE, &mut ctx);
         let mut chain = Chain::new(start, &mut evaluation);
         for m in 0..mutations {
-            chain.mutate(m, starts.brightness(), &mut evaluation, &mut |raster, value| {
+            chain.mutate(m, starts.brightness_of(&start), &mut evaluation, &mut |raster, value| {
                 columns[raster.x as usize] += 24.0 * f64::from(value[0]) / f64::from(mutations);
             });
         }
@@ -170,13 +178,17 @@ fn a_chain_finds_a_ramp_of_known_brightness() {
     });
 }
 
-#[test]
-fn an_emissive_room_and_a_white_ball_are_as_bright_as_their_series() {
-    let emissive = format!(
+fn emissive_sphere() -> String {
+    format!(
         "{} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
          Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
         camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0)
-    );
+    )
+}
+
+#[test]
+fn an_emissive_room_and_a_white_ball_are_as_bright_as_their_series() {
+    let emissive = emissive_sphere();
     let white = format!(
         "{} Lights {{ PointLight {{ position 0.5 0 0  intensity 1 1 1 }} }}
          Materials {{ Material m {{ diffuseColor 0.8 0.8 0.8 }} }}
@@ -186,11 +198,12 @@ fn an_emissive_room_and_a_white_ball_are_as_bright_as_their_series() {
     let forms = [(&emissive, 30, 2.0), (&emissive, 1, 1.75), (&white, 60, 0.8 / PI * (1.0 / 2.25 + 4.0))];
     for (text, bounces, expected) in forms {
         let scene = scene(text);
-        for by_paths in [false, true] {
-            let [.., found] = estimates(&chains(&scene, bounces, by_paths), 2);
+        for samples in [OfPaths, OfBothEnds, ByTechnique] {
+            let [.., found] =
+                estimates(&chains(&scene, bounces, samples), if samples == ByTechnique { 8 } else { 2 });
             assert!(
                 found.check(expected, 0.01).is_ok(),
-                "{bounces} bounces, by paths {by_paths}: {found:?} instead of {expected}"
+                "{bounces} bounces, {samples:?}: {found:?} instead of {expected}"
             );
         }
     }
@@ -208,13 +221,13 @@ fn chains_and_paths_agree_in_every_part_of_a_room() {
     let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
     let path = PathSettings { bounces: 3, ..PathSettings::default() };
     let expected = estimates(&Path::new(&scene, path, SIZE, LayerSet::of(&[Layer::Color])), 4);
-    for by_paths in [false, true] {
-        let found = estimates(&chains(&scene, 3, by_paths), 4);
+    for samples in [OfPaths, OfBothEnds, ByTechnique] {
+        let found = estimates(&chains(&scene, 3, samples), if samples == ByTechnique { 24 } else { 4 });
         for (region, (found, expected)) in found.iter().zip(&expected).enumerate() {
             let sigma = found.standard_error.hypot(expected.standard_error);
             assert!(
                 (found.mean - expected.mean).abs() < 4.5 * sigma && sigma < 0.03 * expected.mean,
-                "region {region}, by paths {by_paths}: {found:?} and {expected:?}"
+                "region {region}, {samples:?}: {found:?} and {expected:?}"
             );
         }
     }
@@ -234,21 +247,121 @@ fn chains_and_light_from_both_ends_agree_in_fog() {
     let layers = LayerSet::of(&[Layer::Color]);
     let both = integrator_of(&scene.output.camera, &scene, settings, SIZE, layers);
     let expected = estimates(&*both, 4);
-    let found = estimates(&chains(&scene, 2, false), 4);
-    for (region, (found, expected)) in found.iter().zip(&expected).enumerate() {
-        let sigma = found.standard_error.hypot(expected.standard_error);
-        assert!(
-            (found.mean - expected.mean).abs() < 4.5 * sigma && sigma < 0.08 * expected.mean,
-            "region {region}: {found:?} and {expected:?}"
-        );
+    for samples in [OfBothEnds, ByTechnique] {
+        let found = estimates(&chains(&scene, 2, samples), if samples == ByTechnique { 40 } else { 4 });
+        for (region, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let sigma = found.standard_error.hypot(expected.standard_error);
+            assert!(
+                (found.mean - expected.mean).abs() < 4.5 * sigma && sigma < 0.08 * expected.mean,
+                "region {region}, {samples:?}: {found:?} and {expected:?}"
+            );
+        }
     }
 }
 
 #[test]
 fn threads_tiles_and_stops_make_the_same_picture() {
     let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
-    let integrator = chains(&scene, 3, false);
-    assert_same_picture(&integrator, SIZE, &schedule(6, 1, 1, 0), [20, 11]);
+    for samples in [OfBothEnds, ByTechnique] {
+        assert_same_picture(&chains(&scene, 3, samples), SIZE, &schedule(6, 1, 1, 0), [20, 11]);
+    }
+}
+
+/// In an emissive sphere of albedo 1/2 paths of `k` vertices bring `2^(2-k)`, and so do the chains that follow them: all the way from the choice of the length.
+#[test]
+fn the_light_of_each_length_has_its_mean() {
+    let scene = scene(&emissive_sphere());
+    let it = chains(&scene, 2, ByTechnique).0;
+    let pass = |seed: u64| {
+        let (starts, _) = Starts::of_samples(FEW, it.mutated(), SIZE, &setup(seed)).unwrap();
+        let (draws, mutations) = (32, 250);
+        let sampler = Sampler::new(SamplerKind::Uniform, draws);
+        let mut ctx = SampleContext::new(&sampler, seed);
+        let mut means = [0.0; 7];
+        for index in 0..draws {
+            ctx.begin([0, 0], index);
+            let start = starts.draw(seed, [0, 0], index, index.into()).unwrap();
+            let mut evaluation = Evaluation::of(it.mutated(), SIZE, &mut ctx);
+            let mut chain = Chain::new(start, &mut evaluation);
+            for m in 0..mutations {
+                chain.mutate(m, starts.brightness_of(&start), &mut evaluation, &mut |_, value| {
+                    means[start.class as usize] += f64::from(value[0]) / f64::from(draws * mutations);
+                });
+            }
+            evaluation.give_back(&mut ctx);
+        }
+        means
+    };
+    let passes: Vec<[f64; 7]> = (0..32).map(pass).collect();
+    for (k, expected) in [0.0, 0.0, 1.0, 0.5, 0.25, 0.125, 0.0].into_iter().enumerate() {
+        let found = Estimate::of_batches(|batch| passes[batch as usize][k]);
+        assert!(found.check(expected, 0.08).is_ok(), "{k} vertices: {found:?} for {expected}");
+    }
+}
+
+/// A room that is lit through a slit in the wall behind which the emitter is.
+const SLIT: &str = "Materials { Matte wall { color 0.6 0.6 0.6 }
+        Matte emitter { color 0 0 0 emission 50 50 50 } }
+    Group { MaterialIndex wall Box { min -2 -2 -4 max 2 2 2 }
+            Box { min -2 -2 -2.1 max 1.85 2 -2 }
+            Box { min 1.9 -2 -2.1 max 2 2 -2 }
+            MaterialIndex emitter Sphere { center -1.4 1.2 -3.4 radius 0.2 } }";
+
+/// R-hat of a render.
+fn r_hat(integrator: &dyn PixelIntegrator, samples: u32, seed: u64) -> f64 {
+    let film = film();
+    render(integrator, &film, &schedule(samples, seed, 2, 0), &Silent).unwrap();
+    film.r_hat().unwrap()
+}
+
+/// Chains that have found no other light than that they began with do not agree; many of an easy room do, and of the same room the more the better.
+#[test]
+fn few_chains_of_a_slit_do_not_agree_and_many_of_a_room_do() {
+    let slit = scene(&format!("{} {SLIT}", camera([-1.0, 0.0, 1.9], [0.6, -0.3, 0.0], 70.0)));
+    let room = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+    let (slit, room) = (chains(&slit, 4, OfBothEnds), chains(&room, 3, OfBothEnds));
+    for seed in 0..3 {
+        let found = [r_hat(&slit, 32, seed), r_hat(&slit, 256, seed), r_hat(&room, 256, seed)];
+        let [few, many, easy] = found;
+        assert!(
+            few > LARGEST_R_HAT && many < few && easy < LARGEST_R_HAT && easy < many,
+            "seed {seed}: {found:?}"
+        );
+    }
+    assert_eq!(r_hat(&room, 1, 0), f64::INFINITY, "a single chain");
+}
+
+/// Films of parts add up to the counts of the whole, by way of files too; other integrators count nothing.
+#[test]
+fn parts_of_a_render_count_what_the_whole_does() {
+    let room = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+    let integrator = chains(&room, 3, OfBothEnds);
+    let settings = schedule(12, 5, 2, 0);
+    let whole = film();
+    render(&integrator, &whole, &settings, &Silent).unwrap();
+    let sum = film();
+    for samples in [7..12, 0..4, 4..7] {
+        let part = film();
+        let unit = Unit { tile: whole.spec().rect(), samples, limits: Unit::UNLIMITED };
+        render_work_unit(&integrator, &part, &settings, &Position::default(), &unit, &Silent).unwrap();
+        sum.absorb(restored(&part)).unwrap();
+    }
+    let found = sum.r_hat().unwrap();
+    assert!(found > 1.0 && found.is_finite() && Some(found) == whole.r_hat(), "{found}");
+    let path = Path::new(&room, PathSettings::default(), SIZE, LayerSet::of(&[Layer::Color]));
+    let other = film();
+    render(&path, &other, &settings, &Silent).unwrap();
+    assert_eq!(restored(&other).r_hat(), None);
+}
+
+/// A film that was saved and read again.
+fn restored(film: &Film) -> Film {
+    let mut saved = Vec::new();
+    film.save(1, &mut saved).unwrap();
+    let mut rest = &saved[..];
+    let restored = Film::restore(*film.spec(), u64::MAX, &mut rest).unwrap();
+    assert!(rest.is_empty() && restored.r_hat() == film.r_hat());
+    restored
 }
 
 #[test]
@@ -257,10 +370,10 @@ fn what_cannot_be_is_said() {
         "{} Materials {{ Matte m {{ }} }} Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
         camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0)
     ));
-    let integrator = chains(&dark, 3, false);
+    let integrator = chains(&dark, 3, OfBothEnds);
     let (starts, rays) = Starts::of_samples(500, integrator.0.mutated(), SIZE, &setup(0)).unwrap();
     assert!(starts.notes()[0].contains("none of 500 samples") && rays.camera == 500);
-    assert_eq!(starts.draw(0, [0, 0], 0), None);
+    assert_eq!(starts.draw(0, [0, 0], 0, 0), None);
     assert_eq!(means(&integrator, 1, 0), [0.0; 5]);
     let poor = Setup { memory: 10, ..setup(0) };
     let refused = Starts::of_samples(500, integrator.0.mutated(), SIZE, &poor).err().unwrap();

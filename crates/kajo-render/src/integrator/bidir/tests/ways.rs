@@ -67,7 +67,14 @@ fn ways_of<'a, V: Volume<'a>>(
                 sums.weighted[points][batch as usize] += f64::from(found.weight) * light;
             };
             let counting = &mut Counting::default();
-            integrator.estimate(ctx.draws, counting, place, &mut path, merging.as_ref(), &mut add);
+            integrator.estimate(
+                ctx.draws,
+                counting,
+                place,
+                &mut path,
+                AllTechniques(merging.as_ref()),
+                &mut add,
+            );
         }
     }
     sums
@@ -282,4 +289,64 @@ fn all_ways_out_of_frosted_glass_are_one() {
     let emitter = "MaterialIndex emitter Sphere { center 0.1 0.1 -0.2  radius 0.3 }
                 MaterialIndex frosted Sphere { center 0.1 0.1 -0.2  radius 0.5 }";
     check_ways(&room(WIDE, emitter, ""), 0, 4000);
+}
+
+/// A technique evaluated alone finds the light, and has the weights, that it has among all.
+#[test]
+fn a_technique_alone_finds_what_it_finds_among_all() {
+    let lens = "PerspectiveCamera { center 0 0 -0.9  direction 0 -0.1 1  up 0 1 0  angle 50  aperture 0.05  focus 1.5 }";
+    let quad = "MaterialIndex emitter Quad { corner -0.3 0.95 -0.3 edge1 0.6 0 0 edge2 0 0 0.6 }";
+    let glossy = room(lens, quad, "MaterialIndex gold Sphere { center 0.2 -0.5 0.3 radius 0.4 }");
+    let fog = glossy
+        .replace("Materials {", "Media { Medium air { sigma_s 0.3  sigma_a 0.1 } exterior air } Materials {");
+    for text in [&glossy, &fog] {
+        let scene = scene(text);
+        match scene.has_media() {
+            false => technique_alone::<NoMedia>(&scene),
+            true => technique_alone::<WithMedia>(&scene),
+        }
+    }
+}
+
+fn technique_alone<'a, V: Volume<'a>>(scene: &'a Scene) {
+    let settings = BidirectionalSettings { bounces: 2, ..both() };
+    let it = Bidirectional::<V>::made(&scene.output.camera, scene, settings, [1, 1], LayerSet::of(&[]));
+    let samples = 256;
+    let sampler = Sampler::new(SamplerKind::Sobol, samples);
+    let mut path = Vec::new();
+    // By technique: among all, and alone.
+    let mut sums = vec![[[0.0; BATCHES as usize]; 2]; 36];
+    for batch in 0..BATCHES {
+        let mut ctx = SampleContext::new(&sampler, 0);
+        for k in 0..samples {
+            let place = ctx.begin([0, batch], k);
+            let mut rays = Counting::default();
+            let mut take = |which: usize, expected: Option<Technique>, found: &Contribution| {
+                let Technique { s, t } = found.technique;
+                assert!(expected.is_none_or(|expected| expected == Technique { s, t }));
+                let outside = |raster: Vec2| raster.min_element() < 0.0 || raster.max_element() >= 1.0;
+                if !found.raster.is_some_and(outside) {
+                    let value = f64::from(found.light[0] * found.weight) / f64::from(samples);
+                    sums[(6 * s + t) as usize][which][batch as usize] += value;
+                }
+            };
+            let all = &mut |found: Contribution, _: &Wavelengths| take(0, None, &found);
+            it.estimate(ctx.draws, &mut rays, place, &mut path, AllTechniques(None), all);
+            for points in 2..=5 {
+                for technique in (0..points).map(|s| Technique { s, t: points - s }) {
+                    let alone = &mut |found: Contribution, _: &Wavelengths| take(1, Some(technique), &found);
+                    it.estimate(ctx.draws, &mut rays, place, &mut path, technique, alone);
+                }
+            }
+        }
+    }
+    let mut compared = 0;
+    for (technique, [all, alone]) in sums.iter().enumerate() {
+        let [all, alone] = [all, alone].map(|sums| estimate(sums));
+        if all.mean > 0.0 && all.standard_error.max(alone.standard_error) < 0.2 * all.mean {
+            assert_same_within(&alone, &all, 0.3, &format!("s = {}, t = {}", technique / 6, technique % 6));
+            compared += 1;
+        }
+    }
+    assert!(compared >= 8, "{compared} techniques have light");
 }

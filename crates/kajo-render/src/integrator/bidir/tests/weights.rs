@@ -95,7 +95,8 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Sampl
         let place = ctx.begin([k, 0], 0);
         let mut draws = ctx.draws;
         let (mut again, mut path) = (draws.split(0, 0, 1), Vec::new());
-        let began = Carried { wavelengths: &wavelengths, time: 0.0, hero: 0, merging };
+        let began =
+            Carried { wavelengths: &wavelengths, time: 0.0, hero: 0, techniques: AllTechniques(merging) };
         it.follow_light(&mut rays, &mut path, again, began);
         again.skip(1);
         let [position, direction] = [again.next_2d(), again.next_2d()];
