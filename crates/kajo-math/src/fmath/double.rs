@@ -30,7 +30,7 @@ pub fn sincos64(x: f64) -> (f64, f64) {
     /// `pi/2` in 33 bits, and the rest.
     const HALF_PI: [f64; 2] = [f64::from_bits(0x3FF9_21FB_5440_0000), f64::from_bits(0x3DD0_B461_1A62_6331)];
     const FAR: f64 = 1e6;
-    const END_OF_QUARTER: f64 = 0.785_39;
+    const END_OF_QUARTER: f64 = 0.785;
     let sum = x * std::f64::consts::FRAC_2_PI + MIDDLE;
     let q = sum - MIDDLE;
     let (before, rest) = (x - q * HALF_PI[0], q * HALF_PI[1]);
@@ -61,7 +61,7 @@ fn sin_near(x: f64, y: f64, alone: bool) -> f64 {
         -1.984_126_982_985_795e-4,
         2.755_731_370_707_006_8e-6,
         -2.505_076_025_340_686_3e-8,
-        1.589_690_995_211_550_1e-10,
+        1.589_690_995_211_55e-10,
     ];
     let z = x * x;
     let r = S[1] + z * (S[2] + z * S[3]) + z * (z * z) * (S[4] + z * S[5]);

@@ -148,9 +148,9 @@ impl Along {
     ///
     /// * `start`: the path at the start of the ray
     /// * `path`: the same path now, whose random numbers are taken: four, and what a connection takes
-    pub fn sample<'a, 's>(
+    pub fn sample<'s>(
         &self,
-        scene: &'a Scene,
+        scene: &Scene,
         start: &PathState<'s>,
         path: &mut PathState<'s>,
         by: LightSelection<'_>,
