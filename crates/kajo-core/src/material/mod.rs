@@ -230,6 +230,8 @@ family! {
         ) -> Option<SurfaceEmission>;
         /// See [`Material::parts`].
         fn parts() -> &[MaterialId];
+        /// See [`Material::medium`].
+        fn medium() -> Option<MediumId>;
         /// See [`Material::constant`].
         fn constant() -> Option<&Phong>;
         /// See [`Material::is_mixture`].

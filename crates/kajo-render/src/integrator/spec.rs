@@ -10,6 +10,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 use kajo_core::space::Space;
 
+use super::scatterings::most_scatterings;
 use super::{INTEGRATORS, IntegratorSettings};
 use crate::{LayerSet, PixelIntegrator};
 
@@ -93,7 +94,7 @@ pub fn bounces_of_paths(scene: &Scene, without: u32) -> u32 {
 /// unless something else is said.
 const BOUNCES_IN_MEDIA: u32 = 64;
 
-/// The same where bodies are filled with what light is scattered in many times.
+/// The same where bodies are filled with what light is scattered in many times, and in media that hold it for longer than that.
 const BOUNCES_IN_BODIES: u32 = 256;
 
 /// How often light is scattered by such integrators in a scene, unless something else is said.
@@ -101,7 +102,9 @@ const BOUNCES_IN_BODIES: u32 = 256;
 /// * `without`: in scenes without media
 pub fn bounces_from_both_ends(scene: &Scene, without: u32) -> u32 {
     match scene.has_media() {
-        true if scene.appearance.has_subsurface => BOUNCES_IN_BODIES,
+        true if scene.appearance.has_subsurface || most_scatterings(scene) > BOUNCES_IN_MEDIA => {
+            BOUNCES_IN_BODIES
+        }
         true => BOUNCES_IN_MEDIA,
         false => without,
     }

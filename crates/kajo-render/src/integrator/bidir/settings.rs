@@ -6,7 +6,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use crate::integrator::{
-    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends, cut_off,
 };
 use crate::{LayerSet, PixelIntegrator};
 
@@ -99,8 +99,9 @@ impl Prepare for BidirectionalSettings {
     }
 
     fn left_out(&self, scene: &Scene, size: [u32; 2]) -> Vec<&'static str> {
+        let cut_off = cut_off(scene, self.bounces);
         if !self.only_from_lights {
-            return Vec::new();
+            return cut_off.into_iter().collect();
         }
         let notes = [
             (
@@ -112,7 +113,8 @@ impl Prepare for BidirectionalSettings {
                 "light from emitters does not find a camera whose rows open one after the other while things move",
             ),
         ];
-        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+        let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
+        notes.chain(cut_off).collect()
     }
 }
 

@@ -7,7 +7,7 @@ use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use super::Metropolis;
 use crate::integrator::{
-    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends, cut_off,
 };
 use crate::{LayerSet, PixelIntegrator};
 
@@ -124,6 +124,6 @@ impl Prepare for MetropolisSettings {
         let groups = groups.then_some("Markov chains do not tell groups of lights apart");
         let bounces = (self.bounces_followed() < self.bounces)
             .then_some("multiplexed Markov chains follow 200 bounces; `mlt` follows more");
-        groups.into_iter().chain(bounces).collect()
+        groups.into_iter().chain(bounces).chain(cut_off(scene, self.bounces_followed())).collect()
     }
 }

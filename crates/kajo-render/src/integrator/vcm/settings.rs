@@ -6,7 +6,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use crate::integrator::{
-    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends, cut_off,
 };
 use crate::{LayerSet, PixelIntegrator};
 
@@ -104,5 +104,9 @@ impl Prepare for VertexMergingSettings {
             spectral: Some(self.spectral),
             ..Settings::default()
         }
+    }
+
+    fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
+        cut_off(scene, self.bounces).into_iter().collect()
     }
 }
