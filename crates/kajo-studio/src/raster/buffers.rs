@@ -7,7 +7,7 @@ use wgpu::util::DeviceExt as _;
 
 use super::is_within;
 use super::pipelines::{COLOR, Pipelines};
-use super::vertices::{AtlasPlace, InstanceTransform, Vertex};
+use super::vertices::{AtlasPosition, InstanceTransform, Vertex};
 
 /// Corners, triangles and places of everything.
 #[derive(Default)]
@@ -162,7 +162,7 @@ impl MeshBuffers {
         let fits = bytes <= device.limits().max_buffer_size && u32::try_from(mesh.indices.len()).is_ok();
         let (vertices, indices) = if fits { (&vertices[..], &mesh.indices[..]) } else { (&[][..], &[][..]) };
         let texels = atlas.filter(|_| fits && !mesh.texels.is_empty()).map(|size| {
-            let places: Vec<AtlasPlace> = mesh.texels.iter().map(|&texel| place_in(texel, size)).collect();
+            let places: Vec<AtlasPosition> = mesh.texels.iter().map(|&texel| place_in(texel, size)).collect();
             buffer(device, "texels", bytemuck::cast_slice(&places), wgpu::BufferUsages::VERTEX)
         });
         MeshBuffers {
@@ -195,9 +195,9 @@ fn vertex(vertex: &kajo_edit::preview::Vertex) -> Vertex {
 }
 
 /// Where a texel is in a picture.
-fn place_in(texel: [f32; 2], size: [u32; 2]) -> AtlasPlace {
+fn place_in(texel: [f32; 2], size: [u32; 2]) -> AtlasPosition {
     let share = |i: usize| (65535.0 * texel[i] / size[i] as f32).round() as u16;
-    AtlasPlace { share: [share(0), share(1)] }
+    AtlasPosition { share: [share(0), share(1)] }
 }
 
 fn extent(atlas: &Atlas) -> wgpu::Extent3d {

@@ -1,6 +1,6 @@
 //! How the graphics card draws surfaces, lines, the mask of the selection and its outline.
 
-use super::vertices::{AtlasPlace, InstanceTransform, LineInstance, Vertex};
+use super::vertices::{AtlasPosition, InstanceTransform, LineInstance, Vertex};
 
 /// Format of the picture: values as shown, which is what the window expects.
 pub(super) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -56,6 +56,40 @@ struct Plan<'a> {
     depth: Option<(wgpu::CompareFunction, bool)>,
 }
 
+impl<'a> Plan<'a> {
+    fn of_surfaces(buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>]) -> Plan<'a> {
+        Plan {
+            vertex: "project_surface",
+            fragment: "shade_surface",
+            buffers,
+            strip: false,
+            target: COLOR,
+            blend: None,
+            depth: Some((wgpu::CompareFunction::Less, true)),
+        }
+    }
+
+    fn of_lines(buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>]) -> Plan<'a> {
+        Plan {
+            vertex: "project_line",
+            fragment: "shade_line",
+            buffers,
+            strip: true,
+            target: COLOR,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+            depth: Some((wgpu::CompareFunction::LessEqual, false)),
+        }
+    }
+}
+
+fn linear_sampler(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
+}
+
 impl Pipelines {
     pub fn new(device: &wgpu::Device, view: &wgpu::Buffer) -> Pipelines {
         let shader = device.create_shader_module(wgpu::include_wgsl!("raster.wgsl"));
@@ -70,19 +104,11 @@ impl Pipelines {
         let of_textured = [
             Some(layout_of::<Vertex>(wgpu::VertexStepMode::Vertex, &CORNERS)),
             Some(layout_of::<InstanceTransform>(wgpu::VertexStepMode::Instance, &TRANSFORMS)),
-            Some(layout_of::<AtlasPlace>(wgpu::VertexStepMode::Vertex, &TEXELS)),
+            Some(layout_of::<AtlasPosition>(wgpu::VertexStepMode::Vertex, &TEXELS)),
         ];
         let of_surfaces = &of_textured[..2];
         let of_lines = [Some(layout_of::<LineInstance>(wgpu::VertexStepMode::Instance, &LINES))];
-        let surfaces = Plan {
-            vertex: "project_surface",
-            fragment: "shade_surface",
-            buffers: of_surfaces,
-            strip: false,
-            target: COLOR,
-            blend: None,
-            depth: Some((wgpu::CompareFunction::Less, true)),
-        };
+        let surfaces = Plan::of_surfaces(of_surfaces);
         let flat_surfaces = Plan { vertex: "project_flat", fragment: "shade_flat", ..surfaces };
         let textured_surfaces = Plan {
             vertex: "project_textured",
@@ -91,15 +117,7 @@ impl Pipelines {
             ..surfaces
         };
         let marks = Plan { fragment: "mark_surface", target: MASK, depth: None, ..flat_surfaces };
-        let lines = Plan {
-            vertex: "project_line",
-            fragment: "shade_line",
-            buffers: &of_lines,
-            strip: true,
-            target: COLOR,
-            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-            depth: Some((wgpu::CompareFunction::LessEqual, false)),
-        };
+        let lines = Plan::of_lines(&of_lines);
         let hidden_lines = Plan {
             fragment: "shade_hidden_line",
             depth: Some((wgpu::CompareFunction::Greater, false)),
@@ -127,11 +145,7 @@ impl Pipelines {
             view_group,
             outline_layout,
             atlas_layout,
-            atlas_sampler: device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
+            atlas_sampler: linear_sampler(device),
         }
     }
 

@@ -19,7 +19,7 @@ pub(super) struct Vertex {
 /// Where a corner is in the picture of all textures.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(super) struct AtlasPlace {
+pub(super) struct AtlasPosition {
     /// From the left and from the top, in parts of the whole times 65535.
     pub share: [u16; 2],
 }
