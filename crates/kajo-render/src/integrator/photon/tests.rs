@@ -251,7 +251,7 @@ fn a_small_light_in_fog_is_as_bright_as_paths_find_it() {
     let scene = scene(&text);
     let path = PathSettings { bounces: 20, ..PathSettings::default() };
     let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 2048);
-    let found = mean(&scene, PhotonSettings { bounces: 20, ..with(None, 64_000) }, 256);
+    let found = mean(&scene, PhotonSettings { bounces: 20, ..with(None, 8_000) }, 192);
     let sigma = found.standard_error.hypot(expected.standard_error) / expected.mean;
     let error = (found.mean / expected.mean - 1.0).abs();
     assert!(error < 4.0 * sigma + 3e-3 && sigma < 0.025, "{found:?} instead of {expected:?}");
