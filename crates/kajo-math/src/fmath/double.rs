@@ -18,7 +18,7 @@ pub fn cos64(x: f64) -> f64 {
     sincos64(x).1
 }
 
-/// Sine and cosine in double precision: the bits of `libm::sincos`, which has a branch for each quarter and so takes twice the time.
+/// Sine and cosine in double precision: the bits of `libm::sincos`, which has a branch for each quarter.
 ///
 /// With `q` the whole number nearest to `2x/pi` the rest `r = x - q pi/2` is the sum `high + low`, by two parts of `pi/2`
 /// [Cody and Waite 1980], and the polynomials of the library give sine and cosine. Where it does otherwise it does it itself:

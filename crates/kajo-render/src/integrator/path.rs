@@ -63,7 +63,6 @@ pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 pub(super) use tracer::{CameraPath, DiffuseVertex, Indirect, IndirectLight, Leaving, PathTracer, Worth};
 use tracer::{Casters, Fork, Sampled, ThroughGlass};
-pub(super) use tracer::{power_heuristic, weight_of_collision};
 
 /// The path tracer over one scene and one picture size.
 pub struct Path<'a> {

@@ -33,14 +33,14 @@ use kajo_math::lorentz::SpacetimeEvent;
 use kajo_math::robust::offset_origin;
 use kajo_math::{DQuat, DVec3, Ray, Vec2, Vec3};
 
-use super::tracer::{CameraPath, Shaded, power_heuristic, receiver};
+use super::tracer::{CameraPath, Shaded, receiver};
 use super::{PathSettings, directions, directions::Part};
 use crate::integrator::Integrator;
 use crate::integrator::camera_view::{CameraView, in_white_light};
 use crate::integrator::transport::steps::MOST_SURFACES;
 use crate::integrator::transport::{
     Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, TracedSegment, arrive, cross_hidden,
-    pass_straight, radiance_factor, shade, sky_footprint,
+    pass_straight, power_heuristic, radiance_factor, shade, sky_footprint,
 };
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};

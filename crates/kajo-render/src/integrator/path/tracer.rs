@@ -1,11 +1,11 @@
 //! One sample of the path tracer: a path from the camera and what branches off it.
 
-mod beams;
 mod casters;
 mod caustics;
 mod crossed;
 mod guided;
 mod indirect;
+mod through_media;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
@@ -21,10 +21,10 @@ use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    Along, DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState,
+    DrawnLight, EquiangularRay, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState,
     SurfaceInteraction, advance, choose_light, connect, connect_through_media, follow, follow_phase, leave,
-    light_of_choice, pass_straight, sample_light, shade, sky_footprint, survives, survives_guided,
-    survives_in_medium,
+    light_of_choice, pass_straight, power_heuristic, sample_light, shade, sky_footprint, survives,
+    survives_guided, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
@@ -48,9 +48,9 @@ pub(in crate::integrator) struct CameraPath<'s> {
     /// Whether the path has branched off another.
     is_branch: bool,
     /// The ray at hand, where light was drawn for a point along it.
-    along: Option<Along>,
+    along: Option<EquiangularRay>,
     /// The same of the ray to the last collision, whose distance this is.
-    collided: Option<(Along, f32)>,
+    collided: Option<(EquiangularRay, f32)>,
 }
 
 impl<'s> CameraPath<'s> {
@@ -439,13 +439,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let weight = power_heuristic(path.pdf, pdf_li * path.state.mean(path.state.lanes.r_l));
         match &path.collided {
             Some((along, t)) if path.receiver.n == Vec3::ZERO => {
-                weight
-                    * weight_of_collision(along.densities_of_collision(
-                        self.scene(),
-                        hit.light,
-                        *t,
-                        self.lights,
-                    ))
+                weight * along.weight_of_collision(self.scene(), hit.light, *t, self.lights)
             }
             _ => weight,
         }
@@ -670,9 +664,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             pdf_by_scattering: scattered,
         };
         let lights = self.lights;
-        let share = path.along.map_or(1.0, |along| {
-            weight_of_collision(along.densities_of_collision(scene, drawn.light, at.length, lights))
-        });
+        let share =
+            path.along.map_or(1.0, |along| along.weight_of_collision(scene, drawn.light, at.length, lights));
         let joined = Joined { carried: joined.carried * share, ..joined };
         self.add_light_through_media(path, &drawn, joined);
     }
@@ -759,16 +752,4 @@ impl Estimate {
 /// The receiver of light at a surface.
 pub(super) fn receiver(surface: &SurfaceInteraction, local: &LocalFrame) -> Receiver {
     Receiver { p: surface.at.point.p, n: local.n(), time: surface.at.time }
-}
-
-/// The weight of light found at a collision, where it might have been drawn for the ray: by the power heuristic of [`Along::densities_of_collision`].
-pub fn weight_of_collision([collided, drawn]: [f32; 2]) -> f32 {
-    if drawn > 0.0 { power_heuristic(collided, drawn) } else { 1.0 }
-}
-
-/// Weight of an estimate of density `p` against another of density `q`, `p^2 / (p^2 + q^2)`.
-#[inline]
-pub fn power_heuristic(p: f32, q: f32) -> f32 {
-    // By their ratio, since the squares may overflow.
-    if p > q { 1.0 / (1.0 + (q / p) * (q / p)) } else { (p / q) * (p / q) / (1.0 + (p / q) * (p / q)) }
 }

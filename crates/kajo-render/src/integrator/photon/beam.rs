@@ -18,42 +18,36 @@
 
 use std::f32::consts::PI;
 
-use kajo_color::{Spectrum, Wavelengths};
-use kajo_core::medium::{Coefficients, MediumId};
+use kajo_color::Spectrum;
+use kajo_core::medium::Coefficients;
 use kajo_core::scene::Scene;
 use kajo_core::space::Space;
-use kajo_math::Ray;
 
 use crate::integrator::photon_map::Photon;
-use crate::integrator::transport::{MediumStack, PathState};
+use crate::integrator::transport::{PathState, scattering_medium};
 
-/// A ray through a homogeneous medium, and the path that it belongs to.
-pub struct QueryBeam<'a> {
-    scene: &'a Scene,
+/// A ray through a homogeneous medium.
+pub struct QueryBeam<'a, 's> {
+    /// The path at its start.
+    pub start: PathState<'s>,
     coefficients: &'a Coefficients,
-    sigma_t: Spectrum,
-    media: MediumStack,
-    /// Of unit direction, from 0 on.
-    pub ray: Ray,
-    /// The throughput at its start.
-    pub beta: Spectrum,
-    /// What the lanes of `beta` stand for.
-    pub wavelengths: Wavelengths,
-    /// How often the path was scattered before.
-    pub scatterings: u32,
+    sigma_s: Spectrum,
+    /// What is lost on the way, per unit length: to the medium, and to the body that it fills.
+    loss: Spectrum,
 }
 
-impl<'a> QueryBeam<'a> {
-    /// The ray that a path is about to follow; `None` where no homogeneous medium that scatters is alone around it.
-    pub fn of(scene: &'a Scene, path: &PathState<'_>) -> Option<QueryBeam<'a>> {
-        let medium = path.media.medium().filter(|_| !path.media.overlaps())?;
-        let coefficients = scattering(scene, medium)?;
+impl<'a, 's> QueryBeam<'a, 's> {
+    /// The ray that a path is about to follow; `None` where no homogeneous medium that scatters is alone around it, and in bodies that light
+    /// is scattered in many times, where no photons are kept.
+    pub fn of(scene: &'a Scene, path: &PathState<'s>) -> Option<QueryBeam<'a, 's>> {
+        let coefficients = scattering_medium(scene, path).filter(|medium| !medium.is_subsurface())?;
         if scene.space() == Space::Curved && path.media.curved(scene).is_some() {
             return None;
         }
-        let PathState { ray, beta, wavelengths, media, scatterings, .. } = *path;
-        let sigma_t = coefficients.sigma_s(&wavelengths) + coefficients.sigma_a(&wavelengths);
-        Some(QueryBeam { scene, coefficients, sigma_t, media, ray, beta, wavelengths, scatterings })
+        let sigma_s = coefficients.sigma_s(&path.wavelengths);
+        let sigma_t = sigma_s + coefficients.sigma_a(&path.wavelengths);
+        let loss = sigma_t + path.media.absorption().unwrap_or(Spectrum::BLACK);
+        Some(QueryBeam { start: *path, coefficients, sigma_s, loss })
     }
 
     /// What a photon of the power `Φ` adds to the radiance at the start of the ray: `T sigma_s p Φ / (pi r^2)`.
@@ -61,19 +55,8 @@ impl<'a> QueryBeam<'a> {
     /// * `t`: parameter of the point of the ray that is nearest to it
     /// * `r`: radius of the cylinder there
     pub fn scattered(&self, photon: &Photon, t: f32, r: f32) -> Spectrum {
-        let phase = self.coefficients.phase().eval(-self.ray.d, photon.wi());
-        let sigma_s = self.media.scattering(self.scene, self.ray.at(t), &self.wavelengths);
-        let passed = (self.sigma_t * -t).exp() * self.media.transmittance(t);
+        let phase = self.coefficients.phase().eval(-self.start.ray.d, photon.wi());
         // [Jarosz et al. 2008, eq. 13]
-        passed * sigma_s * photon.power() * (phase / (PI * r * r))
+        (self.loss * -t).exp() * self.sigma_s * photon.power() * (phase / (PI * r * r))
     }
-}
-
-/// What a medium does to light that beams are asked in: one that scatters and is the same everywhere, but not a body that light is
-/// scattered in many times, where photons are not kept.
-fn scattering(scene: &Scene, medium: MediumId) -> Option<&Coefficients> {
-    let media = &scene.appearance.media;
-    let coefficients = media.coefficients(medium);
-    let is_meant = media.is_homogeneous(medium) && coefficients.scatters() && !coefficients.is_subsurface();
-    is_meant.then_some(coefficients)
 }

@@ -39,11 +39,10 @@ use super::beam::QueryBeam;
 use super::{Maps, NEIGHBOURS, Photons, Radius};
 use crate::integrator::bidir::{SegmentShare, Subpath, Vertex, Volume, shade_one_way};
 use crate::integrator::camera_view::RayFootprint;
-use crate::integrator::path::{power_heuristic, weight_of_collision};
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
-    Along, DrawnLight, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance,
-    cross_hidden, pass_straight, sample_light, steps::extend,
+    DrawnLight, EquiangularRay, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance,
+    cross_hidden, pass_straight, power_heuristic, sample_light, steps::extend,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -65,7 +64,7 @@ pub struct Gatherer<'a, O> {
     /// Whether photons were taken all along the last ray.
     on_beam: bool,
     /// That ray, where light was drawn for a point along it.
-    along: Option<Along>,
+    along: Option<EquiangularRay>,
 }
 
 /// The last vertex that is not specular.
@@ -190,14 +189,12 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let scene = self.scene();
         loop {
             let is_last = state.scatterings > self.photons.settings.bounces;
-            let start = *state;
-            let beam = QueryBeam::of(scene, &start).filter(|_| !is_last);
+            let beam = QueryBeam::of(scene, state).filter(|_| !is_last);
             let event = extend(scene, state, surface, self.observer);
             (self.on_beam, self.along) = (beam.is_some(), None);
-            if let Some(beam) = beam {
+            if let Some(beam) = beam.filter(|_| !matches!(event, Event::Absorbed)) {
                 self.add_beam(&beam, state.extent, map, radius, length);
-                self.along = Along::of(scene, &start, state.extent);
-                self.add_along(state, &start);
+                self.add_direct_light_along(&beam.start, state);
             }
             if !matches!(event, Event::Surface) {
                 return event;
@@ -212,34 +209,43 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
     }
 
-    /// Adds the light of one light at a point drawn along the ray: its density against that of a collision, by the power heuristic.
-    fn add_along<'s>(&mut self, state: &mut PathState<'s>, start: &PathState<'s>) {
+    /// Adds the light of one light at a point drawn along a ray.
+    ///
+    /// * `start`: the path at the start of the ray
+    fn add_direct_light_along<'s>(&mut self, start: &PathState<'s>, state: &mut PathState<'s>) {
         let (scene, choice) = (self.scene(), self.photons.settings.light_choice);
+        self.along = EquiangularRay::of(scene, start, state.extent);
         let found =
             self.along.and_then(|along| along.sample(scene, start, state, choice.into(), self.observer));
-        let Some(found) = found else { return };
-        let [drawn, collided] = found.densities;
-        let added = found.weighed(scene, start, power_heuristic(drawn, collided), self.observer);
-        self.add(added, &start.wavelengths);
+        if let Some((_, added)) = found {
+            self.add(added, &start.wavelengths);
+        }
     }
 
     /// The photons of a cylinder around a ray: `beta / (pi r^2) sum T sigma_s p Φ / sigma_s(x_j)` [Jarosz et al. 2008, eq. 13].
     ///
     /// * `extent`: length of the ray to the next surface
     /// * `length`: of the path before
-    fn add_beam(&mut self, beam: &QueryBeam<'_>, extent: f32, map: &PhotonMap, radius: &Radius, length: f32) {
+    fn add_beam(
+        &mut self,
+        beam: &QueryBeam<'_, '_>,
+        extent: f32,
+        map: &PhotonMap,
+        radius: &Radius,
+        length: f32,
+    ) {
         let footprint = self.footprint;
         // A pixel is widest at the far end, and a radius has an upper bound.
         let r_at = |t: f32| radius.disk.at(footprint.at((length + t).min(f32::MAX)));
-        let ray = Ray { t_min: 0.0, t_max: extent, ..beam.ray };
-        let mut sums = Sums::new(self.photons.settings.bounces.saturating_sub(beam.scatterings));
+        let ray = Ray { t_min: 0.0, t_max: extent, ..beam.start.ray };
+        let mut sums = Sums::new(self.photons.settings.bounces.saturating_sub(beam.start.scatterings));
         map.along(&ray, r_at(extent), |photon, t, d2| {
             let r = r_at(t);
             if d2 <= r * r && photon.is_within(sums.most_scatterings) {
                 sums.take(photon, beam.scattered(photon, t, r));
             }
         });
-        self.add_sums(beam.beta, &beam.wavelengths, &sums, 1.0);
+        self.add_sums(beam.start.beta, &beam.start.wavelengths, &sums, 1.0);
     }
 
     /// Adds the light of a vertex and goes on from it; `false` when the path ends there.
@@ -307,8 +313,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             Maps::Fixed { usage: PhotonMapUse::Gather, .. } | Maps::Progressive { .. } => Role::DirectAndMap,
         };
         if role != Role::FromMap {
-            let along = self.along.filter(|_| self.on_beam);
-            self.add_direct_light(&mut path.state, &z, role.goes_on(), along.map(|along| (along, at.length)));
+            let along = self.along.map(|along| (along, at.length));
+            self.add_direct_light(&mut path.state, &z, role.goes_on(), along);
         }
         match &photons.maps {
             _ if role == Role::Direct => {}
@@ -481,7 +487,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         state: &mut PathState<'_>,
         z: &Vertex<'a, V>,
         may_meet: bool,
-        along: Option<(Along, f32)>,
+        along: Option<(EquiangularRay, f32)>,
     ) {
         let scene = self.scene();
         let time = state.ray.time;
@@ -493,9 +499,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             return;
         }
         let segment = z.at.ray_to(&at, wi, time);
-        let densities =
-            |(along, t): (Along, f32)| along.densities_of_collision(scene, light, t, choice.into());
-        let carried = state.beta * scattered * along.map(densities).map_or(1.0, weight_of_collision);
+        let collided = along.map(|(along, t)| along.weight_of_collision(scene, light, t, choice.into()));
+        let carried = state.beta * scattered * collided.unwrap_or(1.0);
         let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
         let share =
             SegmentShare::along(scene, z, wi, distance, &segment, Joining::from(state), self.observer);

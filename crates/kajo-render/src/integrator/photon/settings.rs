@@ -7,7 +7,7 @@ use kajo_core::settings::{IntegratorName, PhotonMapUse, Settings, SettingsKey};
 
 use super::PhotonMapping;
 use crate::integrator::{
-    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends, cut_off,
 };
 use crate::{LayerSet, PixelIntegrator};
 
@@ -135,6 +135,7 @@ impl Prepare for PhotonSettings {
                 "photons from infinitely far away come to planes without end only around the other things: what a plane reflects beyond is left out",
             ),
         ];
-        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+        let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
+        notes.chain(cut_off(scene, self.bounces)).collect()
     }
 }

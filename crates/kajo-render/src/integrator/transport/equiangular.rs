@@ -19,18 +19,17 @@
 //! meets has the weight of the collision.
 //!
 //! It is done in homogeneous media, on rays that have been scattered once at most: farther on light comes from everywhere.
-//! The weights are left to the integrators.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{LightSelection, Receiver, SampledLight};
-use kajo_core::medium::Phase;
+use kajo_core::medium::Coefficients;
 use kajo_core::scene::Scene;
 use kajo_core::space::Space;
 use kajo_math::{Ray, Vec3, fmath};
 
-use super::{Joining, PathState, all_lanes, connect_through_media};
+use super::{Joining, PathState, all_lanes, connect_through_media, power_heuristic};
 use crate::trail::{About, PathObserver, RayKind};
 
 /// Scatterings of a path after which no points are drawn along its rays.
@@ -38,7 +37,7 @@ const MOST_SCATTERINGS: u32 = 1;
 
 /// A ray in a homogeneous medium along which a point has been drawn for a light.
 #[derive(Clone, Copy, Debug)]
-pub struct Along {
+pub struct EquiangularRay {
     o: Vec3,
     d: Vec3,
     /// To the next surface, perhaps infinite.
@@ -50,22 +49,6 @@ pub struct Along {
     receiver: Receiver,
 }
 
-/// Light found at a point drawn along a ray.
-#[derive(Clone, Copy, Debug)]
-pub struct LightAlong {
-    /// The light that was drawn.
-    pub light: LightIndex,
-    /// What it adds to the path, times its density and before it is weighed: `beta T sigma_s p Li`.
-    radiance: Spectrum,
-    /// Density of the point, the light and the place on it.
-    density: f32,
-    /// The two densities that are weighed against each other: of drawing it for the ray, and at a collision.
-    pub densities: [f32; 2],
-    /// The shadow ray, and what its light is multiplied by.
-    segment: Ray,
-    carried: Spectrum,
-}
-
 /// How distances along a ray are drawn for a light.
 struct Equiangular {
     /// Distance of the closest point, and how far the light is from that.
@@ -75,33 +58,27 @@ struct Equiangular {
     ends: [f32; 2],
 }
 
-impl Along {
+impl EquiangularRay {
     /// The ray that a path is about to follow; `None` where no points are drawn: but in one homogeneous medium that scatters.
     ///
     /// * `length`: of the ray to the next surface, perhaps infinite
-    pub fn of(scene: &Scene, path: &PathState<'_>, length: f32) -> Option<Along> {
+    pub fn of(scene: &Scene, path: &PathState<'_>, length: f32) -> Option<EquiangularRay> {
         if path.scatterings > MOST_SCATTERINGS || scene.space() == Space::Curved {
             return None;
         }
-        // Several media scatter by several phase functions: collisions find their light.
-        let medium = path.media.medium().filter(|_| !path.media.overlaps())?;
-        let (media, wavelengths) = (&scene.appearance.media, &path.wavelengths);
-        let coefficients = media.coefficients(medium);
-        if !media.is_homogeneous(medium) || !coefficients.scatters() {
-            return None;
-        }
-        let sigma_t = coefficients.sigma_s(wavelengths) + coefficients.sigma_a(wavelengths);
-        Some(Along::new(path, sigma_t, length)).filter(|along| along.receiver.p.is_finite())
+        let coefficients = scattering_medium(scene, path)?;
+        let sigma_t = coefficients.sigma_s(&path.wavelengths) + coefficients.sigma_a(&path.wavelengths);
+        Some(EquiangularRay::new(path, sigma_t, length)).filter(|ray| ray.receiver.p.is_finite())
     }
 
     /// * `path`: before it follows its ray
     /// * `length`: of the ray
-    fn new(path: &PathState<'_>, sigma_t: Spectrum, length: f32) -> Along {
+    fn new(path: &PathState<'_>, sigma_t: Spectrum, length: f32) -> EquiangularRay {
         let Ray { o, d, time, .. } = path.ray;
         let free = 1.0 / all_lanes(sigma_t, &path.wavelengths);
         let p = o + d * (0.5 * length).min(free);
         let receiver = Receiver { p, n: Vec3::ZERO, time };
-        Along { o, d, length, sigma_t, wavelengths: path.wavelengths, receiver }
+        EquiangularRay { o, d, length, sigma_t, wavelengths: path.wavelengths, receiver }
     }
 
     /// How distances are drawn for a light; `None` for one that is infinitely far away.
@@ -130,21 +107,21 @@ impl Along {
         [drawn, collision * sampler.pmf(light, &there, by)]
     }
 
-    /// The densities of light found at a collision: of finding it there, and of drawing it for the ray, which may be zero.
+    /// The weight of light found at a collision.
     ///
     /// * `t`: distance of the collision
-    pub fn densities_of_collision(
+    pub fn weight_of_collision(
         &self,
         scene: &Scene,
         light: LightIndex,
         t: f32,
         by: LightSelection<'_>,
-    ) -> [f32; 2] {
+    ) -> f32 {
         let [drawn, collided] = self.densities(scene, light, t, by);
-        [collided, drawn]
+        if drawn > 0.0 { power_heuristic(collided, drawn) } else { 1.0 }
     }
 
-    /// The light of one light at a point drawn along the ray.
+    /// A light, and what it adds to the path at a point drawn along the ray: `w beta T sigma_s p Li / (P_r e q)`.
     ///
     /// * `start`: the path at the start of the ray
     /// * `path`: the same path now, whose random numbers are taken: four, and what a connection takes
@@ -155,7 +132,7 @@ impl Along {
         path: &mut PathState<'s>,
         by: LightSelection<'_>,
         observer: &mut impl PathObserver,
-    ) -> Option<LightAlong> {
+    ) -> Option<(LightIndex, Spectrum)> {
         let (u, v) = (path.draws.next_2d(), path.draws.next_2d());
         let chosen = scene.lighting.sampler.sample(&self.receiver, u.x, by)?;
         let SampledLight { light, .. } = chosen;
@@ -168,10 +145,10 @@ impl Along {
         let receiver = Receiver { p, ..self.receiver };
         let li = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths)?;
         let [drawn, collided] = self.densities(scene, light, t, by);
-        let (sigma_s, phase) = scattering(scene, start)?;
-        let scattered = phase.eval(-self.d, li.wi);
+        let coefficients = scattering_medium(scene, start)?;
+        let scattered = coefficients.phase().eval(-self.d, li.wi);
         let absorbed = start.media.transmittance(t) * (self.sigma_t * -t).exp();
-        let carried = start.beta * absorbed * sigma_s * scattered;
+        let carried = start.beta * absorbed * coefficients.sigma_s(&start.wavelengths) * scattered;
         if drawn <= 0.0 || li.radiance.is_black() || carried.is_black() {
             return None;
         }
@@ -185,40 +162,26 @@ impl Along {
         let passage = connect_through_media(scene, &segment, start.media, with, observer);
         observer.light_drawn(&self.receiver, light, || !passage.t.is_black());
         let by_light = start.mean(passage.r_l);
-        let radiance = carried * li.radiance * passage.t;
-        let density = drawn * li.pdf * by_light;
-        Some(LightAlong { light, radiance, density, densities: [drawn, collided], segment, carried })
-    }
-}
-
-/// Scattering of the medium around a path, and its phase function.
-fn scattering<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<(Spectrum, &'a Phase)> {
-    let coefficients = scene.appearance.media.coefficients(path.media.medium()?);
-    Some((coefficients.sigma_s(&path.wavelengths), coefficients.phase()))
-}
-
-impl LightAlong {
-    /// What it adds under a weight, of which the observer is told.
-    ///
-    /// * `start`: the path at the start of the ray
-    pub fn weighed(
-        &self,
-        scene: &Scene,
-        start: &PathState<'_>,
-        weight: f32,
-        observer: &mut impl PathObserver,
-    ) -> Spectrum {
-        let added = self.radiance * (weight / self.density);
+        let weight = power_heuristic(drawn, collided);
+        let added = carried * li.radiance * passage.t * (weight / (drawn * li.pdf * by_light));
         let added = if added.is_finite() { added } else { Spectrum::BLACK };
         let about = || About {
             eta: start.media.eta(),
-            weight: sensor::to_rgb(self.carried, &start.wavelengths),
-            light: Some(scene.lighting.sampler.id(self.light)),
+            weight: sensor::to_rgb(carried, &start.wavelengths),
+            light: Some(scene.lighting.sampler.id(light)),
         };
-        let rgb = || sensor::to_rgb(added, &start.wavelengths);
-        observer.joined(RayKind::Shadow, scene, &self.segment, about, rgb);
-        added
+        observer
+            .joined(RayKind::Shadow, scene, &segment, about, || sensor::to_rgb(added, &start.wavelengths));
+        Some((light, added))
     }
+}
+
+/// The homogeneous medium that scatters light and is alone around a path; of several media each has a phase function of its own.
+pub fn scattering_medium<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<&'a Coefficients> {
+    let medium = path.media.medium().filter(|_| !path.media.overlaps())?;
+    let media = &scene.appearance.media;
+    Some(media.coefficients(medium))
+        .filter(|coefficients| media.is_homogeneous(medium) && coefficients.scatters())
 }
 
 impl Equiangular {

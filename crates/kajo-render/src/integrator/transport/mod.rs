@@ -24,6 +24,7 @@
 //! * [`pass_straight`]: through a hole or a pane without an event
 //! * [`sample_light`], [`connect`]: a light drawn for a vertex, and what comes along a segment to it
 //! * [`follow_phase`], [`connect_through_media`]: the same in media, where [`Event::Medium`] is a collision that scatters
+//! * [`EquiangularRay`]: light drawn for a point of a ray through a medium
 //! * [`ManifoldWalk`]: a light drawn for a vertex that stands behind clear boundaries, and the chain of refractions that joins both
 //! * [`follow`], [`survives`]: on along a scattered direction, and Russian roulette
 //!
@@ -42,6 +43,7 @@ mod local_frame;
 mod manifold;
 mod media;
 mod medium_stack;
+mod mis;
 mod overlap;
 mod path_state;
 pub mod steps;
@@ -49,13 +51,14 @@ pub mod steps;
 pub use arrival::{TracedSegment, arrive};
 pub use collisions::{MediumInteraction, Passage};
 pub use differentials::{leave, sky_footprint};
-pub use equiangular::Along;
+pub use equiangular::{EquiangularRay, scattering_medium};
 pub use frequency::radiance_factor;
 pub use lane_mis::{LaneMis, all_lanes};
 pub use local_frame::LocalFrame;
 pub use manifold::{Caster, ChainStart, Link, MOST_CHAINS, ManifoldWalk, SpecularChain, Via};
 pub use media::{Joining, connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};
+pub use mis::power_heuristic;
 pub use path_state::{PathState, SurfaceInteraction};
 pub use steps::{
     DrawnLight, Event, advance, choose_light, connect, cross_hidden, follow, light_of_choice, pass_straight,

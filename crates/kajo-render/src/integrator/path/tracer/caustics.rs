@@ -34,10 +34,10 @@ use kajo_math::{Ray, Vec2, Vec3};
 
 use super::casters::Casters;
 use super::crossed::Crossed;
-use super::{CameraPath, IndirectLight, PathTracer, directions, power_heuristic};
+use super::{CameraPath, IndirectLight, PathTracer, directions};
 use crate::integrator::transport::{
     Caster, ChainStart, DrawnLight, Link, LocalFrame, MOST_CHAINS, ManifoldWalk, MediumStack, PathState,
-    SpecularChain, SurfaceInteraction, Via, connect,
+    SpecularChain, SurfaceInteraction, Via, connect, power_heuristic,
 };
 use crate::trail::{About, PathObserver, RayKind};
 

@@ -2,8 +2,8 @@
 
 use kajo_core::settings::Technique;
 
-use super::{CameraPath, IndirectLight, PathTracer, power_heuristic};
-use crate::integrator::transport::{Along, Event, PathState, SurfaceInteraction, advance};
+use super::{CameraPath, IndirectLight, PathTracer};
+use crate::integrator::transport::{EquiangularRay, Event, SurfaceInteraction, advance};
 use crate::trail::PathObserver;
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
@@ -33,20 +33,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             Event::Escaped(_) => f32::INFINITY,
             Event::Absorbed => return event,
         };
-        path.along = Along::of(scene, &start, length);
-        if let Some(along) = path.along {
-            self.add_along(path, &start, &along);
+        path.along = EquiangularRay::of(scene, &start, length);
+        let found = path
+            .along
+            .and_then(|along| along.sample(scene, &start, &mut path.state, self.lights, self.observer));
+        if let Some((light, added)) = found {
+            self.add(&start, added, scene.lighting.sampler.group(light));
         }
         event
-    }
-
-    /// Adds the light of one light at a point drawn along a ray: its density against that of a collision, by the power heuristic.
-    fn add_along(&mut self, path: &mut CameraPath<'s>, start: &PathState<'s>, along: &Along) {
-        let scene = self.scene();
-        let found = along.sample(scene, start, &mut path.state, self.lights, self.observer);
-        let Some(found) = found else { return };
-        let [drawn, collided] = found.densities;
-        let added = found.weighed(scene, start, power_heuristic(drawn, collided), self.observer);
-        self.add(start, added, scene.lighting.sampler.group(found.light));
     }
 }
