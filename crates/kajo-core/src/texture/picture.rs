@@ -54,6 +54,22 @@ pub enum Encoding {
     Linear,
 }
 
+impl Encoding {
+    /// What a texel has for each number of 8 bits in a file, [of its colours, of its alpha].
+    fn stored_bytes(self) -> [[u16; 256]; 2] {
+        let linear = std::array::from_fn(|i| stored(i as f32 / 255.0));
+        match self {
+            Encoding::Srgb => [std::array::from_fn(|i| stored(srgb::decode(i as f32 / 255.0))), linear],
+            Encoding::Linear => [linear; 2],
+        }
+    }
+}
+
+/// What a texel has for a number, which is held to [0, 1]; what is not a number becomes 0.
+fn stored(v: f32) -> u16 {
+    (v.clamp(0.0, 1.0) * 65535.0).round() as u16
+}
+
 /// Linear texels in [0, 1]: red, green, blue and alpha.
 #[derive(Debug)]
 pub struct Picture {
@@ -85,14 +101,21 @@ impl Picture {
     /// * `image`: at least one pixel; one or three channels, and perhaps alpha
     pub fn new(image: &Image, encoding: Encoding) -> (Picture, usize) {
         let mut outside = 0;
-        let mut stored = |v: f32| {
+        let bytes: [f32; 256] = std::array::from_fn(|i| i as f32 / 255.0);
+        let [colors, alphas] = encoding.stored_bytes();
+        // Most pictures have 8 bits, of which there are few numbers.
+        let mut counted = |v: f32, of_bytes: &[u16; 256], linear: fn(f32) -> f32| {
+            let byte = usize::from((v * 255.0 + 0.5) as u8);
+            if bytes[byte] == v {
+                return of_bytes[byte];
+            }
+            let v = linear(v);
             outside += usize::from(!(0.0..=1.0).contains(&v));
-            // Not a number becomes 0.
-            (v.clamp(0.0, 1.0) * 65535.0).round() as u16
+            stored(v)
         };
-        let linear = |v: f32| match encoding {
-            Encoding::Srgb => srgb::decode(v),
-            Encoding::Linear => v,
+        let linear = match encoding {
+            Encoding::Srgb => srgb::decode,
+            Encoding::Linear => std::convert::identity,
         };
         let texel = |pixel: &[f32]| {
             let (color, alpha) = match *pixel {
@@ -102,8 +125,8 @@ impl Picture {
                 [r, g, b, alpha, ..] => ([r, g, b], alpha),
                 [] => ([0.0; 3], 1.0),
             };
-            let [r, g, b] = color.map(|v| stored(linear(v)));
-            [r, g, b, stored(alpha)]
+            let [r, g, b] = color.map(|v| counted(v, &colors, linear));
+            [r, g, b, counted(alpha, &alphas, std::convert::identity)]
         };
         let texels: Vec<_> = image.pixels().map(texel).collect();
         (Picture::of_texels([image.width(), image.height()], texels), outside)
@@ -113,7 +136,6 @@ impl Picture {
     ///
     /// * `texel`: by column and row from above; sizes are at least 1
     pub(crate) fn from_fn(width: u32, height: u32, mut texel: impl FnMut(u32, u32) -> [f32; 4]) -> Picture {
-        let stored = |v: f32| (v.clamp(0.0, 1.0) * 65535.0).round() as u16;
         let mut texels = Vec::new();
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
             texels.push(texel(x, y).map(stored));
@@ -381,6 +403,32 @@ mod tests {
             [u, v, 0.25 * u + 0.5 * v, 1.0 - u]
         })
         .unwrap()
+    }
+
+    /// Numbers of 8 bits come from a table; those of 16 bits, of which some are the same, and numbers out of range do not.
+    #[test]
+    fn texels_are_those_of_the_curve() {
+        let mut numbers: Vec<f32> = (0..=255).map(|i| i as f32 / 255.0).collect();
+        numbers.extend((0..=65535).step_by(7).map(|i| i as f32 / 65535.0));
+        numbers.extend([-0.25, -0.0, 1.0, 1.5, 1e30, f32::NAN, f32::INFINITY]);
+        for encoding in [Encoding::Srgb, Encoding::Linear] {
+            let width = numbers.len() as u32;
+            let image = Image::from_fn(width, 1, |x, _| {
+                let v = numbers[x as usize];
+                [v, v, v, v]
+            });
+            let (picture, outside) = Picture::new(&image.unwrap(), encoding);
+            // Three colours and alpha of -0.25, 1.5, 1e30, and what is no number or infinite.
+            assert_eq!(outside, 5 * 4, "{encoding:?}");
+            for (texel, &v) in picture.resident().unwrap().iter().zip(&numbers) {
+                let linear = if encoding == Encoding::Srgb { srgb::decode(v) } else { v };
+                let stored = |v: f32| (f64::from(v.clamp(0.0, 1.0)) * 65535.0).round() as u16;
+                assert!(texel[0].abs_diff(stored(linear)) <= 1 && texel[3].abs_diff(stored(v)) <= 1, "{v}");
+                assert!(texel[1] == texel[0] && texel[2] == texel[0]);
+                let byte = numbers[..256].iter().position(|&byte| byte == v);
+                assert!(byte.is_none_or(|byte| texel[0] == encoding.stored_bytes()[0][byte]));
+            }
+        }
     }
 
     #[test]

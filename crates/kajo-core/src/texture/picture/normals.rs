@@ -17,7 +17,7 @@ use std::sync::Arc;
 use kajo_math::Vec3;
 
 use super::filter::{BILINEAR_VARIANCE, TexelFilter};
-use super::{Picture, PictureMap, Tiling};
+use super::{Picture, PictureMap, Tiling, stored};
 use crate::texture::{FilteredNormals, NormalSpread, TextureContext};
 
 /// Variance that the rounding of stored texels may make of one normal.
@@ -30,7 +30,6 @@ impl Picture {
         let made = || {
             let of = |texel: &[u16; 4]| {
                 let [x, y] = [texel[0], texel[1]].map(|v| f32::from(v) * (2.0 / 65535.0) - 1.0);
-                let stored = |v: f32| (v.clamp(0.0, 1.0) * 65535.0).round() as u16;
                 [stored(x * x), stored(y * y), stored(0.5 + 0.5 * x * y), u16::MAX]
             };
             Arc::new(Picture::of_texels([self.width, self.height], texels.iter().map(of).collect()))

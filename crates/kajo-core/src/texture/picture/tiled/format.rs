@@ -24,7 +24,6 @@ use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 
 use super::{LevelShape, SIDE, Tile};
 use crate::texture::picture::Encoding;
-use kajo_color::srgb;
 
 /// The ending of the names of tiled copies.
 pub const TILED_EXTENSION: &str = "ktile";
@@ -143,33 +142,27 @@ impl Description {
     }
 }
 
-/// The numbers that 8 bits of a file become, [of colours, of alpha].
-fn numbers_of_bytes(encoding: Encoding) -> [[u16; 256]; 2] {
-    let stored = |v: f32| (v * 65535.0).round() as u16;
-    let linear = std::array::from_fn(|i| stored(i as f32 / 255.0));
-    let colors = match encoding {
-        Encoding::Srgb => std::array::from_fn(|i| stored(srgb::decode(i as f32 / 255.0))),
-        Encoding::Linear => linear,
-    };
-    [colors, linear]
-}
-
-/// Makes bytes of tiles, and tiles of bytes.
+/// Makes bytes of tiles.
 #[derive(Debug)]
-pub(super) struct TileCodec {
-    numbers: [[u16; 256]; 2],
+struct TilePacker {
+    /// For each number of a texel the number of 8 bits that becomes it, [of colours, of alpha]; 256 where there is none.
+    bytes: [Vec<u16>; 2],
 }
 
-impl TileCodec {
-    pub fn new(encoding: Encoding) -> TileCodec {
-        TileCodec { numbers: numbers_of_bytes(encoding) }
+impl TilePacker {
+    fn new(encoding: Encoding) -> TilePacker {
+        let bytes = encoding.stored_bytes().map(|numbers| {
+            let mut bytes = vec![256; 1 << 16];
+            (0u16..).zip(numbers).for_each(|(byte, number)| bytes[usize::from(number)] = byte);
+            bytes
+        });
+        TilePacker { bytes }
     }
 
     /// The bytes of a channel, where each number is one that 8 bits become.
     fn bytes_of(&self, tile: &Tile, channel: usize) -> Option<Vec<u8>> {
-        let numbers = &self.numbers[usize::from(channel == 3)];
-        // The numbers grow with the bytes.
-        tile.texels.iter().map(|texel| numbers.binary_search(&texel[channel]).ok().map(|i| i as u8)).collect()
+        let bytes = &self.bytes[usize::from(channel == 3)];
+        tile.texels.iter().map(|texel| u8::try_from(bytes[usize::from(texel[channel])]).ok()).collect()
     }
 
     fn pack(&self, tile: &Tile) -> Vec<u8> {
@@ -199,6 +192,19 @@ impl TileCodec {
             }
         }
         compress_to_vec_zlib(&planes, EFFORT)
+    }
+}
+
+/// Makes tiles of bytes.
+#[derive(Debug)]
+pub(super) struct TileUnpacker {
+    /// What 8 bits become, [of colours, of alpha].
+    numbers: [[u16; 256]; 2],
+}
+
+impl TileUnpacker {
+    pub fn new(encoding: Encoding) -> TileUnpacker {
+        TileUnpacker { numbers: encoding.stored_bytes() }
     }
 
     fn unpack(&self, bytes: &[u8], [width, height]: [u32; 2]) -> Option<Tile> {
@@ -249,13 +255,13 @@ pub(super) fn write(
     levels: &[(LevelShape, &[[u16; 4]])],
     to: &mut dyn Write,
 ) -> io::Result<()> {
-    let codec = TileCodec::new(description.encoding);
+    let packer = TilePacker::new(description.encoding);
     to.write_all(MAGIC)?;
     let mut offset = MAGIC.len() as u64;
     let mut index = Vec::new();
     for (shape, texels) in levels {
         for tile in tiles_of(*shape, texels) {
-            let bytes = codec.pack(&tile);
+            let bytes = packer.pack(&tile);
             to.write_all(&bytes)?;
             index.extend(offset.to_le_bytes());
             index.extend((bytes.len() as u32).to_le_bytes());
@@ -332,7 +338,7 @@ impl Header {
     pub fn tile(
         &self,
         file: &dyn ReadAt,
-        codec: &TileCodec,
+        unpacker: &TileUnpacker,
         shape: LevelShape,
         number: u32,
     ) -> Result<Tile, TiledError> {
@@ -350,7 +356,7 @@ impl Header {
         }
         let mut packed = vec![0; length as usize];
         file.read_at(offset, &mut packed)?;
-        codec.unpack(&packed, size).ok_or(TiledError::Damaged)
+        unpacker.unpack(&packed, size).ok_or(TiledError::Damaged)
     }
 }
 

@@ -7,10 +7,10 @@ use kajo_image::{DecodeLimits, Format};
 use kajo_scene::{Reopen, read_limited};
 
 use super::cache::{TileCache, TileKey};
-use super::format::{self, Description, Header, TILED_EXTENSION, TileCodec, TiledError};
+use super::format::{self, Description, Header, TILED_EXTENSION, TileUnpacker, TiledError};
 use super::{LevelShape, SIDE, Tile};
 use crate::texture::picture::pyramid::{Level, Pyramid};
-use crate::texture::picture::{Encoding, Picture};
+use crate::texture::picture::{Encoding, Picture, stored};
 
 /// Bytes of pictures that are never tiled.
 const SMALL: u64 = 1 << 19;
@@ -55,7 +55,7 @@ pub(in crate::texture::picture) struct TiledPicture {
     number: u32,
     name: String,
     header: Header,
-    codec: TileCodec,
+    unpacker: TileUnpacker,
     levels: Vec<LevelShape>,
     source: Reopen,
     /// One thread at a time makes a damaged copy anew.
@@ -116,7 +116,7 @@ impl TiledCopies {
             cache: Arc::clone(&self.cache),
             number: self.cache.picture(&name, stamp),
             name,
-            codec: TileCodec::new(used),
+            unpacker: TileUnpacker::new(used),
             levels: LevelShape::all(size[0], size[1]),
             header,
             source: source.clone(),
@@ -178,7 +178,7 @@ impl TiledPicture {
     fn load(&self, shape: LevelShape, number: u32) -> Tile {
         let read = || -> Result<Tile, TiledError> {
             let file = self.cache.files().open(&self.name)?;
-            self.header.tile(&*file, &self.codec, shape, number)
+            self.header.tile(&*file, &self.unpacker, shape, number)
         };
         read().unwrap_or_else(|_| {
             let _one = self.repair.lock().unwrap_or_else(PoisonError::into_inner);
@@ -224,7 +224,7 @@ impl TiledPicture {
     fn plain(&self, shape: LevelShape, number: u32) -> Tile {
         let [across, _] = shape.tiles();
         let [width, height] = shape.tile_size(number % across, number / across);
-        let mean = self.header.description.mean.map(|v| (v.clamp(0.0, 1.0) * 65535.0).round() as u16);
+        let mean = self.header.description.mean.map(stored);
         Tile { width, texels: vec![mean; (width * height) as usize] }
     }
 }
