@@ -28,7 +28,7 @@ mod tiled;
 mod tiling;
 mod wrap;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use kajo_color::{Spectrum, Wavelengths, srgb};
 use kajo_image::Image;
@@ -54,15 +54,22 @@ pub enum Encoding {
     Linear,
 }
 
+/// What a texel has for each number of 8 bits in a file, [of its colours, of its alpha].
+type StoredBytes = [[u16; 256]; 2];
+
 impl Encoding {
-    /// What a texel has for each number of 8 bits in a file, [of its colours, of its alpha].
-    fn stored_bytes(self) -> [[u16; 256]; 2] {
-        let linear = std::array::from_fn(|i| stored(i as f32 / 255.0));
+    fn stored_bytes(self) -> &'static StoredBytes {
+        static LINEAR: LazyLock<StoredBytes> = LazyLock::new(|| [stored_bytes(std::convert::identity); 2]);
+        static SRGB: LazyLock<StoredBytes> = LazyLock::new(|| [stored_bytes(srgb::decode), LINEAR[1]]);
         match self {
-            Encoding::Srgb => [std::array::from_fn(|i| stored(srgb::decode(i as f32 / 255.0))), linear],
-            Encoding::Linear => [linear; 2],
+            Encoding::Srgb => &SRGB,
+            Encoding::Linear => &LINEAR,
         }
     }
+}
+
+fn stored_bytes(linear: fn(f32) -> f32) -> [u16; 256] {
+    std::array::from_fn(|i| stored(linear(i as f32 / 255.0)))
 }
 
 /// What a texel has for a number, which is held to [0, 1]; what is not a number becomes 0.
@@ -125,8 +132,8 @@ impl Picture {
                 [r, g, b, alpha, ..] => ([r, g, b], alpha),
                 [] => ([0.0; 3], 1.0),
             };
-            let [r, g, b] = color.map(|v| counted(v, &colors, linear));
-            [r, g, b, counted(alpha, &alphas, std::convert::identity)]
+            let [r, g, b] = color.map(|v| counted(v, colors, linear));
+            [r, g, b, counted(alpha, alphas, std::convert::identity)]
         };
         let texels: Vec<_> = image.pixels().map(texel).collect();
         (Picture::of_texels([image.width(), image.height()], texels), outside)

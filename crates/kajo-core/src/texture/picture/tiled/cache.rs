@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::collections::{HashMap, VecDeque};
 use std::fmt;
+use std::hash::{BuildHasherDefault, Hash, Hasher};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -39,25 +40,55 @@ pub struct TileCache {
 }
 
 /// Which tile of which picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TileKey {
     pub picture: u32,
     /// Among those of all levels.
     pub tile: u32,
 }
 
+/// Scatters numbers in a row [Knuth, section 6.4].
+const GOLDEN_RATIO: u64 = 0x9e37_79b9_7f4a_7c15;
+
 impl TileKey {
+    fn both(self) -> u64 {
+        u64::from(self.picture) << 32 | u64::from(self.tile)
+    }
+
     fn scattered(self) -> u64 {
-        let both = u64::from(self.picture) << 32 | u64::from(self.tile);
-        // The golden ratio scatters numbers in a row [Knuth, section 6.4].
-        both.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        self.both().wrapping_mul(GOLDEN_RATIO)
+    }
+}
+
+impl Hash for TileKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u64(self.both());
+    }
+}
+
+/// The hash of a [`TileKey`], which nobody chooses to do harm.
+#[derive(Clone, Copy, Debug, Default)]
+struct Scattering(u64);
+
+impl Hasher for Scattering {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        // Within a part of the cache other bits than those that choose it.
+        self.0 = (self.0 ^ number).wrapping_mul(GOLDEN_RATIO).rotate_left(20);
     }
 }
 
 /// A part of the cache with a lock of its own.
 #[derive(Debug, Default)]
 struct Shard {
-    tiles: HashMap<TileKey, Held>,
+    tiles: HashMap<TileKey, Held, BuildHasherDefault<Scattering>>,
     /// In the order in which they came, or were spared.
     order: VecDeque<TileKey>,
     bytes: u64,
@@ -71,7 +102,7 @@ struct Held {
 }
 
 /// Tiles that a thread keeps at hand, without a lock.
-const AT_HAND: usize = 64;
+const AT_HAND: usize = 256;
 
 type RecentTile = Option<(TileKey, Arc<Tile>)>;
 
@@ -148,7 +179,7 @@ impl TileCache {
     #[inline]
     pub(super) fn texel(&self, key: TileKey, x: usize, y: usize, load: impl FnOnce() -> Tile) -> [u16; 4] {
         RECENT.with_borrow_mut(|recent| {
-            let slot = &mut recent[(key.scattered() >> 58) as usize % AT_HAND];
+            let slot = &mut recent[(key.scattered() >> 56) as usize % AT_HAND];
             match slot {
                 Some((known, tile)) if *known == key => tile.texel(x, y),
                 _ => {
@@ -201,6 +232,7 @@ impl Shard {
 
 #[cfg(test)]
 mod tests {
+    use super::super::TileTexels;
     use super::*;
 
     #[derive(Debug)]
@@ -221,7 +253,7 @@ mod tests {
     }
 
     fn tile(value: u16) -> Tile {
-        Tile { width: 64, texels: vec![[value; 4]; 64 * 64] }
+        Tile { width: 64, texels: TileTexels::Stored(vec![[value; 4]; 64 * 64]) }
     }
 
     #[test]

@@ -17,12 +17,13 @@
 //! all texels and then the lower ones. After 1 a texel has one byte for each channel, the number of the file that it comes from, where 8 bits were
 //! all that it had. Each number is less its left neighbour's, so that smooth pictures have small ones. Checksums are those of zlib.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 
 use miniz_oxide::deflate::compress_to_vec_zlib;
-use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
+use miniz_oxide::inflate::{decompress_slice_iter_to_slice, decompress_to_vec_zlib_with_limit};
 
-use super::{LevelShape, SIDE, Tile};
+use super::{LevelShape, SIDE, Tile, TileTexels};
 use crate::texture::picture::Encoding;
 
 /// The ending of the names of tiled copies.
@@ -160,15 +161,15 @@ impl TilePacker {
     }
 
     /// The bytes of a channel, where each number is one that 8 bits become.
-    fn bytes_of(&self, tile: &Tile, channel: usize) -> Option<Vec<u8>> {
+    fn bytes_of(&self, texels: &[[u16; 4]], channel: usize) -> Option<Vec<u8>> {
         let bytes = &self.bytes[usize::from(channel == 3)];
-        tile.texels.iter().map(|texel| u8::try_from(bytes[usize::from(texel[channel])]).ok()).collect()
+        texels.iter().map(|texel| u8::try_from(bytes[usize::from(texel[channel])]).ok()).collect()
     }
 
-    fn pack(&self, tile: &Tile) -> Vec<u8> {
-        let width = tile.width as usize;
-        let mut planes = Vec::with_capacity(1 + 8 * tile.texels.len());
-        let narrow: Option<Vec<_>> = (0..4).map(|channel| self.bytes_of(tile, channel)).collect();
+    /// * `texels`: of a tile, in rows of `width`
+    fn pack(&self, texels: &[[u16; 4]], width: usize) -> Vec<u8> {
+        let mut planes = Vec::with_capacity(1 + 8 * texels.len());
+        let narrow: Option<Vec<_>> = (0..4).map(|channel| self.bytes_of(texels, channel)).collect();
         planes.push(u8::from(narrow.is_some()));
         if let Some(channels) = narrow {
             for row in channels.iter().flat_map(|channel| channel.chunks(width)) {
@@ -186,7 +187,7 @@ impl TilePacker {
                         })
                         .collect::<Vec<_>>()
                 };
-                let differences: Vec<u16> = tile.texels.chunks(width).flat_map(difference).collect();
+                let differences: Vec<u16> = texels.chunks(width).flat_map(difference).collect();
                 planes.extend(differences.iter().map(|v| (v >> 8) as u8));
                 planes.extend(differences.iter().map(|&v| v as u8));
             }
@@ -195,56 +196,55 @@ impl TilePacker {
     }
 }
 
-/// Makes tiles of bytes.
-#[derive(Debug)]
-pub(super) struct TileUnpacker {
-    /// What 8 bits become, [of colours, of alpha].
-    numbers: [[u16; 256]; 2],
+/// The tile of its bytes.
+fn unpack(bytes: &[u8], [width, height]: [u32; 2], encoding: Encoding) -> Option<Tile> {
+    thread_local! {
+        static PLANES: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+    }
+    let (n, row) = ((width * height) as usize, width as usize);
+    PLANES.with_borrow_mut(|planes| {
+        planes.resize(1 + 8 * n, 0);
+        let filled = decompress_slice_iter_to_slice(planes, std::iter::once(bytes), true, false).ok()?;
+        let (&kind, planes) = planes[..filled].split_first()?;
+        let texels = match kind {
+            0 if planes.len() == 8 * n => TileTexels::Stored(stored_of(planes, row)),
+            1 if planes.len() == 4 * n => TileTexels::Bytes(bytes_of(planes, row), encoding.stored_bytes()),
+            _ => return None,
+        };
+        Some(Tile { width, texels })
+    })
 }
 
-impl TileUnpacker {
-    pub fn new(encoding: Encoding) -> TileUnpacker {
-        TileUnpacker { numbers: encoding.stored_bytes() }
-    }
-
-    fn unpack(&self, bytes: &[u8], [width, height]: [u32; 2]) -> Option<Tile> {
-        let n = (width * height) as usize;
-        let planes = decompress_to_vec_zlib_with_limit(bytes, 1 + 8 * n).ok()?;
-        let (&kind, planes) = planes.split_first()?;
-        let mut texels = vec![[0u16; 4]; n];
-        let width_u = width as usize;
-        match (kind, planes.len() == 4 * n, planes.len() == 8 * n) {
-            (1, true, _) => {
-                for (channel, plane) in planes.chunks(n).enumerate() {
-                    let numbers = &self.numbers[usize::from(channel == 3)];
-                    for (row, texels) in plane.chunks(width_u).zip(texels.chunks_mut(width_u)) {
-                        let mut v = 0u8;
-                        for (difference, texel) in row.iter().zip(texels) {
-                            v = v.wrapping_add(*difference);
-                            texel[channel] = numbers[usize::from(v)];
-                        }
-                    }
-                }
-            }
-            (0, _, true) => {
-                for (channel, plane) in planes.chunks(2 * n).enumerate() {
-                    let (upper, lower) = plane.split_at(n);
-                    for (i, texel) in texels.iter_mut().enumerate() {
-                        texel[channel] = u16::from(upper[i]) << 8 | u16::from(lower[i]);
-                    }
-                    for row in texels.chunks_mut(width_u) {
-                        let mut v = 0u16;
-                        for texel in row {
-                            v = v.wrapping_add(texel[channel]);
-                            texel[channel] = v;
-                        }
-                    }
-                }
-            }
-            _ => return None,
+/// Numbers of 8 bits from the planes of their differences.
+fn bytes_of(planes: &[u8], row: usize) -> Vec<[u8; 4]> {
+    let n = planes.len() / 4;
+    let [r, g, b, alpha] = std::array::from_fn(|channel| planes[channel * n..][..n].iter());
+    let mut texels: Vec<_> = r.zip(g).zip(b).zip(alpha).map(|(((&r, &g), &b), &a)| [r, g, b, a]).collect();
+    for row in texels.chunks_mut(row) {
+        let mut left = [0u8; 4];
+        for texel in row {
+            left = std::array::from_fn(|c| left[c].wrapping_add(texel[c]));
+            *texel = left;
         }
-        Some(Tile { width, texels })
     }
+    texels
+}
+
+/// Texels from the planes of the upper and the lower bytes of their differences.
+fn stored_of(planes: &[u8], row: usize) -> Vec<[u16; 4]> {
+    let n = planes.len() / 8;
+    let plane = |number: usize| &planes[number * n..][..n];
+    let channels: [_; 4] = std::array::from_fn(|channel| [plane(2 * channel), plane(2 * channel + 1)]);
+    let difference = |i: usize| channels.map(|[upper, lower]| u16::from_be_bytes([upper[i], lower[i]]));
+    let mut texels: Vec<_> = (0..n).map(difference).collect();
+    for row in texels.chunks_mut(row) {
+        let mut left = [0u16; 4];
+        for texel in row {
+            left = std::array::from_fn(|c| left[c].wrapping_add(texel[c]));
+            *texel = left;
+        }
+    }
+    texels
 }
 
 /// Writes the tiled copy of a picture.
@@ -260,8 +260,9 @@ pub(super) fn write(
     let mut offset = MAGIC.len() as u64;
     let mut index = Vec::new();
     for (shape, texels) in levels {
-        for tile in tiles_of(*shape, texels) {
-            let bytes = packer.pack(&tile);
+        for (column, row) in shape.tile_positions() {
+            let [width, _] = shape.tile_size(column, row);
+            let bytes = packer.pack(&cut(*shape, texels, column, row), width as usize);
             to.write_all(&bytes)?;
             index.extend(offset.to_le_bytes());
             index.extend((bytes.len() as u32).to_le_bytes());
@@ -278,20 +279,13 @@ pub(super) fn write(
     to.write_all(MAGIC)
 }
 
-/// The tiles of a level, row by row.
-fn tiles_of(shape: LevelShape, texels: &[[u16; 4]]) -> impl Iterator<Item = Tile> {
-    let [across, down] = shape.tiles();
-    let places = (0..down).flat_map(move |row| (0..across).map(move |column| (column, row)));
-    places.map(move |(column, row)| cut(shape, texels, column, row))
-}
-
-/// One tile of a level.
-pub(super) fn cut(shape: LevelShape, texels: &[[u16; 4]], column: u32, row: u32) -> Tile {
+/// The texels of one tile of a level.
+pub(super) fn cut(shape: LevelShape, texels: &[[u16; 4]], column: u32, row: u32) -> Vec<[u16; 4]> {
     let [width, height] = shape.tile_size(column, row);
     let stride = shape.width as usize;
     let first = (row * SIDE) as usize * stride + (column * SIDE) as usize;
     let rows = (0..height as usize).map(|y| &texels[first + y * stride..][..width as usize]);
-    Tile { width, texels: rows.flatten().copied().collect() }
+    rows.flatten().copied().collect()
 }
 
 impl Header {
@@ -335,13 +329,7 @@ impl Header {
     ///
     /// # Errors
     /// [`TiledError::Damaged`] or those of the system.
-    pub fn tile(
-        &self,
-        file: &dyn ReadAt,
-        unpacker: &TileUnpacker,
-        shape: LevelShape,
-        number: u32,
-    ) -> Result<Tile, TiledError> {
+    pub fn tile(&self, file: &dyn ReadAt, shape: LevelShape, number: u32) -> Result<Tile, TiledError> {
         let mut entry = [0; ENTRY as usize];
         file.read_at(self.index + ENTRY * u64::from(shape.first + number), &mut entry)?;
         let mut fields = Fields(&entry);
@@ -356,7 +344,7 @@ impl Header {
         }
         let mut packed = vec![0; length as usize];
         file.read_at(offset, &mut packed)?;
-        unpacker.unpack(&packed, size).ok_or(TiledError::Damaged)
+        unpack(&packed, size, self.description.encoding).ok_or(TiledError::Damaged)
     }
 }
 

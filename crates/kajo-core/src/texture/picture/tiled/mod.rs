@@ -15,26 +15,48 @@ pub use format::{ReadAt, TILED_EXTENSION, TiledError};
 pub use picture::{TiledCopies, TilingRule};
 pub(super) use picture::{TiledLevel, TiledPicture};
 
+use crate::texture::picture::StoredBytes;
+
 /// Side of a tile, in texels.
 const SIDE: u32 = 64;
 
-/// The texels of a tile, row by row. Those at the right and the lower edge of a level may be smaller than others.
-#[derive(Debug, PartialEq, Eq)]
+/// A tile of a level. Those at the right and the lower edge of a level may be smaller than others.
+#[derive(Debug)]
 struct Tile {
     width: u32,
-    texels: Vec<[u16; 4]>,
+    texels: TileTexels,
+}
+
+/// The texels of a tile, row by row.
+#[derive(Debug)]
+enum TileTexels {
+    /// As pictures in memory have them.
+    Stored(Vec<[u16; 4]>),
+    /// Numbers of 8 bits of a file, which take half the memory, and what texels have for them.
+    Bytes(Vec<[u8; 4]>, &'static StoredBytes),
 }
 
 impl Tile {
     /// * `x`, `y`: within the tile
     #[inline]
     fn texel(&self, x: usize, y: usize) -> [u16; 4] {
-        self.texels[y * self.width as usize + x]
+        let i = y * self.width as usize + x;
+        match &self.texels {
+            TileTexels::Stored(texels) => texels[i],
+            TileTexels::Bytes(bytes, [colors, alphas]) => {
+                let [r, g, b, alpha] = bytes[i].map(usize::from);
+                [colors[r], colors[g], colors[b], alphas[alpha]]
+            }
+        }
     }
 
     /// Bytes that it takes in memory.
     fn bytes(&self) -> u64 {
-        (size_of::<Tile>() + self.texels.len() * size_of::<[u16; 4]>()) as u64
+        let texels = match &self.texels {
+            TileTexels::Stored(texels) => size_of_val(&texels[..]),
+            TileTexels::Bytes(bytes, _) => size_of_val(&bytes[..]),
+        };
+        (size_of::<Tile>() + texels) as u64
     }
 }
 
@@ -65,6 +87,12 @@ impl LevelShape {
             let (width, height) = ((last.width / 2).max(1), (last.height / 2).max(1));
             levels.push(LevelShape { width, height, first: last.first + across * down });
         }
+    }
+
+    /// Columns and rows of the tiles, row by row.
+    fn tile_positions(self) -> impl Iterator<Item = (u32, u32)> {
+        let [across, down] = self.tiles();
+        (0..down).flat_map(move |row| (0..across).map(move |column| (column, row)))
     }
 
     /// Width and height of the tile in this column and row of tiles.

@@ -7,8 +7,8 @@ use kajo_image::{DecodeLimits, Format};
 use kajo_scene::{Reopen, read_limited};
 
 use super::cache::{TileCache, TileKey};
-use super::format::{self, Description, Header, TILED_EXTENSION, TileUnpacker, TiledError};
-use super::{LevelShape, SIDE, Tile};
+use super::format::{self, Description, Header, TILED_EXTENSION, TiledError};
+use super::{LevelShape, SIDE, Tile, TileTexels};
 use crate::texture::picture::pyramid::{Level, Pyramid};
 use crate::texture::picture::{Encoding, Picture, stored};
 
@@ -55,7 +55,6 @@ pub(in crate::texture::picture) struct TiledPicture {
     number: u32,
     name: String,
     header: Header,
-    unpacker: TileUnpacker,
     levels: Vec<LevelShape>,
     source: Reopen,
     /// One thread at a time makes a damaged copy anew.
@@ -116,7 +115,6 @@ impl TiledCopies {
             cache: Arc::clone(&self.cache),
             number: self.cache.picture(&name, stamp),
             name,
-            unpacker: TileUnpacker::new(used),
             levels: LevelShape::all(size[0], size[1]),
             header,
             source: source.clone(),
@@ -178,7 +176,7 @@ impl TiledPicture {
     fn load(&self, shape: LevelShape, number: u32) -> Tile {
         let read = || -> Result<Tile, TiledError> {
             let file = self.cache.files().open(&self.name)?;
-            self.header.tile(&*file, &self.unpacker, shape, number)
+            self.header.tile(&*file, shape, number)
         };
         read().unwrap_or_else(|_| {
             let _one = self.repair.lock().unwrap_or_else(PoisonError::into_inner);
@@ -225,21 +223,23 @@ impl TiledPicture {
         let [across, _] = shape.tiles();
         let [width, height] = shape.tile_size(number % across, number / across);
         let mean = self.header.description.mean.map(stored);
-        Tile { width, texels: vec![mean; (width * height) as usize] }
+        Tile { width, texels: TileTexels::Stored(vec![mean; (width * height) as usize]) }
     }
 }
 
 impl Picture {
     /// A tile of a level of a picture in memory.
     fn tile(&self, shape: LevelShape, column: u32, row: u32) -> Tile {
-        let texels = self.resident().unwrap_or_default();
+        let [width, _] = shape.tile_size(column, row);
+        let tile =
+            |texels| Tile { width, texels: TileTexels::Stored(format::cut(shape, texels, column, row)) };
         if [shape.width, shape.height] == self.size() {
-            return format::cut(shape, texels, column, row);
+            return tile(self.resident().unwrap_or_default());
         }
         let pyramid = Pyramid::of(self);
         let is_same = |level: &&Level| [level.width, level.height] == [shape.width, shape.height];
         let level = pyramid.levels.iter().find(is_same).expect("a level of this picture");
-        format::cut(shape, &level.texels, column, row)
+        tile(&level.texels)
     }
 }
 
