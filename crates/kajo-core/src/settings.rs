@@ -9,6 +9,7 @@ use crate::bsdf::Highlight;
 use crate::interaction::RayOffset;
 use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
+use crate::texture::TexelFilter;
 
 /// Which of the three lineages of the classic format a file belongs to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -304,6 +305,8 @@ pub struct Settings {
     pub technique: Option<Technique>,
     /// How lights are chosen.
     pub light_choice: Option<LightChoice>,
+    /// How pictures are filtered that do not say it themselves.
+    pub texture_filter: Option<TexelFilter>,
     /// How lights behind smooth glass are found.
     pub caustics: Option<Caustics>,
     /// Whether paths of little weight end at random.
@@ -411,6 +414,7 @@ impl Settings {
             directions: self.directions.or(there.directions),
             technique: self.technique.or(there.technique),
             light_choice: self.light_choice.or(there.light_choice),
+            texture_filter: self.texture_filter.or(there.texture_filter),
             caustics: self.caustics.or(there.caustics),
             roulette: self.roulette.or(there.roulette),
             guiding: self.guiding.or(there.guiding),

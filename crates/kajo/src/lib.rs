@@ -86,7 +86,7 @@ pub use kajo_core::settings::{
     Caustics, Dialect, Directions, FilterChoice, Gradients, IntegratorName, MakeFilter, PhotonMapUse,
     Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
 };
-pub use kajo_core::texture::{Encoding, TileCache};
+pub use kajo_core::texture::{Encoding, TexelFilter, TileCache};
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};
 pub use kajo_math;
 pub use kajo_render::integrator::CHOICES as INTEGRATOR_CHOICES;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use kajo_core::compile::{CompileOptions, MeshStore};
 use kajo_core::settings::Dialect;
+use kajo_core::texture::TexelFilter;
 use kajo_math::Vec3;
 use kajo_render::integrator;
 use kajo_scene::{Limits, MemoryBudget};
@@ -17,6 +18,8 @@ use crate::{FsAssets, LoadProgress, TextureFolder, memory};
 pub struct LoadOptions {
     /// The dialect, where it is not to be the scene's own choice.
     pub dialect: Option<Dialect>,
+    /// How pictures are filtered that do not say it themselves, where that is not to be the scene's own choice.
+    pub texture_filter: Option<TexelFilter>,
     /// Folders besides the scene's own whose files it may name.
     pub folders: Vec<PathBuf>,
     /// Whether it may name any file at all.
@@ -58,6 +61,7 @@ impl LoadOptions {
         let memory = limits.memory.used().saturating_add(limits.memory.left());
         CompileOptions {
             dialect: self.dialect,
+            texture_filter: self.texture_filter,
             tiled: self.textures.as_ref().map(|textures| textures.copies(memory)),
             limits,
             camera: self.camera.clone(),

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use kajo::{
-    Dialect, LARGEST_TILE, LoadOptions, MOST_THREADS, ModelOptions, Resources, TextureFolder, UpAxis,
+    Dialect, LARGEST_TILE, LoadOptions, MOST_THREADS, ModelOptions, Resources, TexelFilter, TextureFolder,
+    UpAxis,
 };
 
 use super::values;
@@ -35,6 +36,9 @@ pub struct SceneArgs {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Pictures on surfaces")]
 pub struct TextureArgs {
+    /// How pictures are filtered that do not say it themselves, where that is not to be the scene's own choice
+    #[arg(long, value_name = "NAME", value_parser = values::choice(TexelFilter::NAMES))]
+    pub texture_filter: Option<TexelFilter>,
     /// Memory for pictures, in MB, of which what is seen is read from tiled copies; by default whole pictures are kept for as long as there is room
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..))]
     pub texture_memory: Option<u32>,
@@ -77,6 +81,7 @@ impl SceneArgs {
     pub fn options(&self) -> LoadOptions {
         LoadOptions {
             dialect: self.dialect,
+            texture_filter: self.textures.texture_filter,
             folders: self.assets.clone(),
             allow_outside: self.allow_outside,
             camera: self.camera.clone(),

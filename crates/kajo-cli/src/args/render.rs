@@ -246,6 +246,7 @@ impl RenderArgs {
             total_reflection: self.total_reflection,
             ray_offset: self.ray_offset,
             dialect: self.scene_args.dialect,
+            texture_filter: self.scene_args.textures.texture_filter,
             depth_range: self.depth_range.as_ref().and_then(|range| range.as_slice().try_into().ok()),
             integrator: self.integrator,
             spectral: self.spectral,

@@ -10,7 +10,7 @@ use kajo_scene::{AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Sp
 
 use super::Compiler;
 use super::mesh_store::{Kept, Shading, StoreKey};
-use super::picture_files::{PictureReader, ReadPicture};
+use super::picture_files::{PictureReader, Problem};
 use super::subdivision::{Displacement, ReadFaces, Subdivision};
 use crate::ids::MaterialSlot;
 use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, VertexAttributes, vertex_normals};
@@ -214,7 +214,8 @@ impl Compiler<'_> {
         let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
         // Some programs write the separators of their own system.
         let read = pictures.picture(&name.replace('\\', "/"), from, encoding);
-        self.laid_or_left_out(read, name, from, span)
+        let laid = read.and_then(|(picture, _)| pictures.laid(picture));
+        self.laid_or_left_out(laid, name, from, span)
     }
 
     /// A picture within another file; `name` is its own and that of the file.
@@ -227,23 +228,18 @@ impl Compiler<'_> {
     ) -> Option<PictureMap> {
         let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
         let read = pictures.held(bytes, name, encoding);
-        self.laid_or_left_out(read, name, name, span)
+        let laid = read.and_then(|(picture, _)| pictures.laid(picture));
+        self.laid_or_left_out(laid, name, name, span)
     }
 
     fn laid_or_left_out(
         &mut self,
-        read: ReadPicture,
+        laid: Result<PictureMap, Problem>,
         name: &str,
         from: &str,
         span: Span,
     ) -> Option<PictureMap> {
-        match read {
-            Ok((picture, _)) => Some(PictureMap::new(picture)),
-            Err(problem) => {
-                self.picture_left_out(name, from, &problem.to_string(), span);
-                None
-            }
-        }
+        laid.map_err(|problem| self.picture_left_out(name, from, &problem.to_string(), span)).ok()
     }
 
     /// Warns that a picture which a file names is left out, once, however many materials show it.

@@ -88,13 +88,15 @@ use crate::material::MaterialId;
 use crate::scene::{Output, Scene};
 use crate::settings::{Dialect, Rules, Settings};
 use crate::shape::{AnyShape, ShapeId};
-use crate::texture::TiledCopies;
+use crate::texture::{TexelFilter, TiledCopies};
 
 /// What the compiler is told besides the text.
 #[derive(Clone, Debug, Default)]
 pub struct CompileOptions {
     /// The dialect, where it is not to be the scene's own choice.
     pub dialect: Option<Dialect>,
+    /// How pictures are filtered that do not say it themselves, where that is not to be the scene's own choice.
+    pub texture_filter: Option<TexelFilter>,
     /// Bounds on what files may demand.
     pub limits: Limits,
     /// How to build the trees over geometry.
@@ -169,6 +171,7 @@ fn compile_tree(
     let mut compiler = Compiler::new(assets, options, Dialect::default().rules(), diagnostics, file_errors);
     let settings = settings.map(|item| compiler.settings(item)).unwrap_or_default();
     compiler.rules = options.dialect.or(settings.dialect).unwrap_or_default().rules();
+    compiler.pictures.filter = options.texture_filter.or(settings.texture_filter).unwrap_or_default();
     compiler.uses = nesting::uses(desc);
     compiler.animation(animation);
     let camera_name = options.camera.as_deref();

@@ -49,7 +49,7 @@ impl Compiler<'_> {
             PictureWrap::Mirror => Wrap::Mirror,
             PictureWrap::Clamp => Wrap::Clamp,
         });
-        let filter = if nearest { TexelFilter::Nearest } else { TexelFilter::Bilinear };
+        let filter = if nearest { TexelFilter::Nearest } else { map.filter };
         let set = match set {
             kajo_scene::CoordinateSet::First => UvSet::First,
             kajo_scene::CoordinateSet::Second => UvSet::Second,
@@ -109,6 +109,7 @@ fn mixed(
         let s = kajo_math::Vec2::new((x as f32 + 0.5) / width as f32, 1.0 - (y as f32 + 0.5) / height as f32);
         texel(a.unscaled(s), b.unscaled(s))
     });
+    picture.prepare(a.filter);
     Some(PictureMap { picture: Arc::new(picture), ..a.clone() })
 }
 

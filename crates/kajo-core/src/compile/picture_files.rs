@@ -5,15 +5,17 @@ use std::fmt;
 use std::sync::Arc;
 
 use kajo_image::{DecodeLimits, Decoded, Format, ImageError};
-use kajo_scene::{AssetFile, Assets, MemoryBudget, Reopen, read_limited};
+use kajo_scene::{AssetFile, Assets, MemoryBudget, OverBudget, Reopen, read_limited};
 
 use super::CompileOptions;
-use crate::texture::{Encoding, Picture, TiledCopies, TilingRule};
+use crate::texture::{Encoding, Picture, PictureMap, TexelFilter, TiledCopies, TilingRule};
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
 #[derive(Default)]
 pub(super) struct PictureCache {
     pictures: HashMap<(String, Option<Encoding>), Option<Arc<Picture>>>,
+    /// How those are filtered that do not say it themselves.
+    pub filter: TexelFilter,
     /// Bytes of those in memory.
     resident: u64,
     /// Whether the memory of the cache of tiles has been taken.
@@ -57,6 +59,31 @@ impl PictureReader<'_> {
     pub fn held(&mut self, bytes: &[u8], name: &str, encoding: Option<Encoding>) -> ReadPicture {
         let memory = self.memory;
         self.cached((name.to_owned(), encoding), None, || decode(bytes, None, memory))
+    }
+
+    /// How pictures are filtered that do not say it themselves.
+    pub fn filter(&self) -> TexelFilter {
+        self.cache.filter
+    }
+
+    /// The picture as it lies where nothing is said.
+    ///
+    /// # Errors
+    /// Where there is no memory for its filter.
+    pub fn laid(&self, picture: Arc<Picture>) -> Result<PictureMap, Problem> {
+        let filter = self.cache.filter;
+        self.prepare(&picture, filter).map_err(|over| Problem::Unreadable(over.to_string()))?;
+        Ok(PictureMap { filter, ..PictureMap::new(picture) })
+    }
+
+    /// Makes what a filter needs besides the texels, once for all that ask for it.
+    ///
+    /// # Errors
+    /// Where there is no memory for it.
+    pub fn prepare(&self, picture: &Picture, filter: TexelFilter) -> Result<(), OverBudget> {
+        self.memory.take(picture.preparation(filter))?;
+        picture.prepare(filter);
+        Ok(())
     }
 
     /// * `copies`: where its tiled copy is, if it may have one

@@ -17,6 +17,7 @@ use crate::settings::{
     Caustics, Dialect, Directions, FilterChoice, Gradients, IntegratorName, PhotonMapUse, Settings,
     ShadowAttenuation, Shadows, Technique,
 };
+use crate::texture::TexelFilter;
 
 choices! {
     Shadows {
@@ -128,6 +129,8 @@ keys! {
         filter: Option<FilterChoice> =
             Typed::<FilterChoice>::new("filter", FieldKind::ChoiceAndNumber(FILTER_WORDS, FILTER_SIZES))
                 .presumed(Constant::Word("none"), "how samples become pixels"),
+        texture_filter: Option<TexelFilter> = choice::<TexelFilter>("textureFilter")
+            .presumed(Constant::Word("bilinear"), "how pictures are filtered that do not say it themselves"),
         seed: Option<Seed> =
             Typed::<Seed>::new("seed", FieldKind::Whole { min: 0.0, max: MAX_SEED })
                 .presumed(Constant::Number(0.0), "of the random numbers"),
@@ -282,6 +285,7 @@ impl From<SettingsKeys> for Settings {
             directions: keys.directions,
             technique: keys.technique,
             light_choice: keys.light_choice,
+            texture_filter: keys.texture_filter,
             caustics: keys.caustics,
             roulette: keys.roulette,
             guiding: keys.guiding,

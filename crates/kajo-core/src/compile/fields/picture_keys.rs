@@ -28,18 +28,7 @@ choices! {
     }
 }
 
-choices! {
-    TexelFilter {
-        "bilinear" => TexelFilter::Bilinear,
-        "nearest" => TexelFilter::Nearest,
-        "bicubic" => TexelFilter::Bicubic,
-        "trilinear" => TexelFilter::Trilinear,
-        "sat" => TexelFilter::Sat,
-        "ewa" => TexelFilter::Ewa,
-        "feline" => TexelFilter::Feline,
-        "stochastic" => TexelFilter::Stochastic,
-    }
-}
+choices!(TexelFilter: TexelFilter::NAMES);
 
 choices! {
     Encoding {
@@ -109,8 +98,8 @@ keys! {
             "regular",
             "how it repeats; `random` lays pieces of it at random, without seams and without a pattern that is seen from afar",
         ),
-        filter: TexelFilter = choice::<TexelFilter>("filter")
-            .or_word("bilinear", "what is between its texels, and what stands for many of them"),
+        filter: Option<TexelFilter> = choice::<TexelFilter>("filter")
+            .unlike("by `textureFilter`", "ewa", "what is between its texels, and what stands for many of them"),
         encoding: Option<Encoding> = choice::<Encoding>("encoding")
             .unlike("by the file", "srgb", "what its numbers mean; those of a key that is no colour are linear"),
     }

@@ -220,13 +220,12 @@ impl Sources<'_> {
         let PictureKeys { repeat, offset, wrap, tiling, filter, encoding: said } = keys;
         let pictures = &mut self.textures.pictures;
         let picture = pictures.at_frame(item, &name, sequence, said.or(encoding), diagnostics)?;
-        // The smaller copies are made once for all that ask for them.
-        if let Err(over) = pictures.memory.take(picture.preparation(filter)) {
+        let filter = filter.unwrap_or(pictures.filter());
+        if let Err(over) = pictures.prepare(&picture, filter) {
             let error = Diagnostic::error(format!("cannot filter `{name}`: {over}"));
             diagnostics.push(error.label(item.head_span(), "named here"));
             return None;
         }
-        picture.prepare(filter);
         let map = PictureMap {
             wrap: [wrap; 2],
             tiling,
@@ -337,7 +336,7 @@ impl PictureReader<'_> {
 mod tests {
     use kajo_color::{Emission, Wavelengths};
     use kajo_image::{EncodeOptions, Image, encode};
-    use kajo_math::{Ray, Vec3};
+    use kajo_math::{Ray, Vec2, Vec3};
     use kajo_scene::{MemoryAssets, SceneDesc};
 
     use super::*;
@@ -345,6 +344,7 @@ mod tests {
     use crate::bsdf::{Base, Bsdf, Phong};
     use crate::compile::compile;
     use crate::scene::{Interaction, Scene};
+    use crate::texture::TexelFilter;
 
     /// Files of 2 x 2 texels: red and green above blue and white, greys, and shares as floats.
     fn assets() -> MemoryAssets {
@@ -493,6 +493,44 @@ mod tests {
             let (scene, _) = met(veil, SQUARE, x, y);
             let through = scene.transmittance_in_air(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z))[0];
             assert!((through - visible).abs() < 1e-3, "{x} {y}: {through}");
+        }
+    }
+
+    /// By the render's filter unless the picture has its own, for those that meshes bring as well.
+    #[test]
+    fn pictures_are_filtered_as_the_render_says() {
+        const WHITE: [f32; 3] = [1.0; 3];
+        let mean = [0.5; 3];
+        let mesh = "TriangleMesh { file \"skins/box.obj\" materials on }";
+        for (settings, asked, material, object, expected) in [
+            ("", None, "Matte { color colors.png }", SQUARE, WHITE),
+            ("textureFilter trilinear", None, "Matte { color colors.png }", SQUARE, mean),
+            ("textureFilter trilinear", None, "Matte { color colors.png { filter nearest } }", SQUARE, WHITE),
+            (
+                "textureFilter trilinear",
+                Some(TexelFilter::Nearest),
+                "Matte { color colors.png }",
+                SQUARE,
+                WHITE,
+            ),
+            ("", Some(TexelFilter::Trilinear), "Matte { color colors.png }", SQUARE, mean),
+            ("", None, "Matte { }", mesh, WHITE),
+            ("textureFilter trilinear", None, "Matte { }", mesh, mean),
+        ] {
+            let text = format!(
+                "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }} Settings {{ {settings} }}
+                 Materials {{ {material} }} Group {{ MaterialIndex 0 {object} }}"
+            );
+            let mut parsed = SceneDesc::parse_str(&text);
+            let options = CompileOptions { texture_filter: asked, ..CompileOptions::default() };
+            let scene =
+                compile(&mut parsed.desc, &assets(), &options, &mut Diagnostics::default()).expect(&text);
+            let event = scene.trace(&Ray::new(Vec3::new(0.5, -0.5, 5.0), Vec3::NEG_Z));
+            let at = *event.surface().expect("the ray meets the square");
+            let mut context = scene.texture_context(&at);
+            context.footprint.uv = [Vec2::X, Vec2::Y];
+            let found = scene.appearance.phong(at.material, &context).diffuse.to_rgb();
+            assert!(Vec3::from(found).distance(expected.into()) < 1e-3, "{found:?} for {text}");
         }
     }
 

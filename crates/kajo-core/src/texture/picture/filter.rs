@@ -52,6 +52,18 @@ pub enum TexelFilter {
 }
 
 impl TexelFilter {
+    /// Names on the command line, in `Settings` and behind pictures.
+    pub const NAMES: [(&'static str, TexelFilter); 8] = [
+        ("bilinear", TexelFilter::Bilinear),
+        ("nearest", TexelFilter::Nearest),
+        ("bicubic", TexelFilter::Bicubic),
+        ("trilinear", TexelFilter::Trilinear),
+        ("sat", TexelFilter::Sat),
+        ("ewa", TexelFilter::Ewa),
+        ("feline", TexelFilter::Feline),
+        ("stochastic", TexelFilter::Stochastic),
+    ];
+
     /// Whether it depends on what a sample covers.
     pub fn wants_footprint(self) -> bool {
         !matches!(self, TexelFilter::Nearest | TexelFilter::Bilinear | TexelFilter::Bicubic)

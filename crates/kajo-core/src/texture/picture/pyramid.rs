@@ -146,7 +146,7 @@ mod tests {
         for (w, h) in [(2, 2), (64, 2), (2, 30), (46, 22)] {
             let texel = |x: u32, y: u32| {
                 let s = Stream::new(5, [x, y], 0);
-                [s.uniform(0), s.uniform(1), f32::from(x % 2 == 0), 1.0]
+                [s.uniform(0), s.uniform(1), f32::from(x.is_multiple_of(2)), 1.0]
             };
             let picture = Picture::from_fn(w, h, texel);
             let texels = picture.resident().unwrap();
