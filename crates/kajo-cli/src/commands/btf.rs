@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use kajo::LoadOptions;
 use kajo::btf::{
     self, BtfEncoding, BtfError, BtfSamples, Compression, FolderError, MakeError, Making, write_btf,
 };
 use kajo::output::Target;
-use kajo::{LoadOptions, MemoryBudget};
 
 use crate::args::{BtfCommand, BtfCompressArgs, BtfInfoArgs, BtfKeptArgs, BtfMakeArgs};
 use crate::console;
@@ -34,8 +34,8 @@ fn make(args: &BtfMakeArgs) -> Result<(), Failure> {
 }
 
 fn compress(args: &BtfCompressArgs) -> Result<(), Failure> {
-    let target = Target::check(&args.kept.output, &[])?;
-    let memory = MemoryBudget::default();
+    let target = Target::check(&args.kept.output, std::slice::from_ref(&args.measured))?;
+    let memory = LoadOptions::default().budgeted().memory;
     let samples = if args.measured.is_dir() {
         btf::read_folder(&args.measured, args.side, &memory, |_, _| {}).map_err(|error| match error {
             FolderError::Memory(over) => Failure::Memory(over.to_string()),

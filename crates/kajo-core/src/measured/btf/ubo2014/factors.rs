@@ -113,7 +113,8 @@ impl Pair {
         let is_of_directions = is_of(directions, texels);
         if !is_of_directions && !is_of(texels, directions) {
             return Err(content(format!(
-                "its matrices {number} have {rows} and {columns} rows, which is not as its {directions} pairs of directions and {texels} texels"
+                "its matrices {number} have {rows} and {columns} rows, which are not its {directions} pairs of \
+                 directions and {texels} texels"
             )));
         }
         reader.skip(components * scalar.bytes() as u64, "singular values")?;

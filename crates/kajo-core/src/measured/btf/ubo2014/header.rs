@@ -17,6 +17,9 @@ pub(super) enum Form {
     Full,
 }
 
+/// For each direction its angle to the normal and that around it, radians.
+type Angles = Vec<[f32; 2]>;
+
 /// What is known before the matrices.
 #[derive(Debug)]
 pub(super) struct Header {
@@ -24,9 +27,8 @@ pub(super) struct Header {
     pub color_model: ColorModel,
     /// Whether values have the cosine of the light in them.
     pub has_cosine: bool,
-    /// Angles to the normal and around it, radians.
-    pub views: Vec<[f32; 2]>,
-    pub lights: Vec<[f32; 2]>,
+    pub views: Angles,
+    pub lights: Angles,
     /// Width and height in texels.
     pub size: [u32; 2],
 }
@@ -135,8 +137,7 @@ fn read_about(reader: &mut Reader<'_, impl Read>) -> Result<bool, BtfError> {
 }
 
 /// Views and lights: for each view its direction and those of all lights, which are the same for all views.
-#[expect(clippy::type_complexity, reason = "two lists")]
-fn read_directions(reader: &mut Reader<'_, impl Read>) -> Result<(Vec<[f32; 2]>, Vec<[f32; 2]>), BtfError> {
+fn read_directions(reader: &mut Reader<'_, impl Read>) -> Result<(Angles, Angles), BtfError> {
     /// The length of the difference of two directions that are the same.
     const SAME: f32 = 1e-3;
     let count = |n: u32, what: &str| match n {

@@ -131,7 +131,7 @@ impl<'a> Part<'a> {
                 *sum = [0, 1, 2].map(|c| sum[c] + f64::from(rgb[c]));
             }
         }
-        let count = f64::from((x1 - corner[0]) * (y1 - corner[1]));
+        let count = f64::from(x1 - corner[0]) * f64::from(y1 - corner[1]);
         for (to, sum) in means.chunks_exact_mut(3).zip(&sums[..self.count]) {
             to.copy_from_slice(&sum.map(|v| (v / count * std::f64::consts::FRAC_1_PI) as f32));
         }
