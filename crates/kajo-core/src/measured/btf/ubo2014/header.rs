@@ -116,7 +116,7 @@ fn read_about(reader: &mut Reader<'_, impl Read>) -> Result<bool, BtfError> {
     if !(1..=4).contains(&version) {
         return Err(content(format!("its header is of version {version}; 1 to 4 are read")));
     }
-    // The setup, the sensor and the lamp; pixels for a millimetre and a factor of each colour.
+    // The setup, the sensor and the light; pixels for a millimetre and a factor of each colour.
     reader.skip(3 * TEXT + 4 + 12, PART)?;
     let has_cosine = version > 1 && reader.whole(PART)? != 0;
     if version > 2 {

@@ -16,7 +16,7 @@
 //! 1                           "R" where rotations follow, else nothing
 //! u32                         bytes of the header, from here to the views
 //! u32                         its version, 1 to 4
-//! 3 x 80, 4 x f32             texts about setup, sensor and lamp; pixels for a millimetre, a factor for each of three colours
+//! 3 x 80, 4 x f32             texts about setup, sensor and light; pixels for a millimetre, a factor for each of three colours
 //! u32                         from version 2: 1 if values have the cosine of the light in them
 //! u32, text                   from version 3: a description
 //! u32, (u32, text) each       from version 4: colour channels and their names
