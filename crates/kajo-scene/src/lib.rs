@@ -77,7 +77,7 @@ pub use foreign::{ForeignFile, HEAD_BYTES, READ_FORMATS, foreign_file};
 pub use gltf::{
     CoordinateSet, Model, ModelAmount, ModelAnimation, ModelCamera, ModelCover, ModelGlossiness,
     ModelInstance, ModelLight, ModelLightKind, ModelMaterial, ModelMoment, ModelPart, ModelTint, ModelView,
-    PictureSource, PictureUse, PictureWrap, VertexColors, read_gltf, read_gltf_at,
+    PictureSource, PictureUse, PictureWrap, VertexColors, read_gltf, read_gltf_at, read_gltf_picture,
 };
 pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};

@@ -1,7 +1,7 @@
 //! Bidirectional texture functions from scenes and from measurements, and their files.
 //!
-//! [`make`] renders one, [`read_folder`] reads pictures of one, [`compress`] makes of either what a file holds, and [`write_btf`] its
-//! bytes. The material `BTF` shows it.
+//! [`make`] renders one, [`read_folder`] reads pictures of one and [`read_ubo2014`] a factorised one, [`compress`] makes of any of them what
+//! a file holds, and [`write_btf`] its bytes. The material `BTF` shows it.
 
 mod folder;
 mod make;
@@ -14,7 +14,8 @@ pub use make::{MakeError, Making, make};
 
 use std::path::Path;
 
-use kajo_scene::{Assets, Limits};
+use kajo_core::measured::btf;
+use kajo_scene::{AssetError, AssetFile, Assets, Limits, MemoryBudget};
 
 use crate::FsAssets;
 
@@ -23,9 +24,24 @@ use crate::FsAssets;
 /// # Errors
 /// [`BtfError`], what is wrong with it in words.
 pub fn read_file(path: &Path) -> Result<(BtfFile, BtfEncoding), BtfError> {
-    let assets = FsAssets::new(path).map_err(kajo_scene::AssetError::from)?.allow_outside(true);
-    let (file, encoding, _) = read_btf(assets.open(assets.scene_name(), "")?, &Limits::default())?;
+    let (file, encoding, _) = read_btf(opened(path)?, &Limits::default())?;
     Ok((file, encoding))
+}
+
+/// Samples of a file of the collection UBO2014, in the forms DFMF and FMF.
+///
+/// * `most`: texels along a side at most; of larger textures blocks are averaged
+///
+/// # Errors
+/// [`BtfError`], what is wrong with it in words.
+pub fn read_ubo2014(path: &Path, most: u32, memory: &MemoryBudget) -> Result<BtfSamples, BtfError> {
+    let limits = Limits { memory: memory.clone(), ..Limits::default() };
+    btf::read_ubo2014(opened(path)?, &limits, most)
+}
+
+fn opened(path: &Path) -> Result<AssetFile, AssetError> {
+    let assets = FsAssets::new(path)?.allow_outside(true);
+    assets.open(assets.scene_name(), "")
 }
 
 /// Directions in rings around the normal, the outermost 75 degrees from it: the normal itself, and `6 k` in ring `k`. As pairs of angles:

@@ -20,7 +20,7 @@ pub enum BtfCommand {
     /// Render one: a square of a surface about the plane z = 0, seen and lit from all around
     #[command(allow_negative_numbers = true)]
     Make(BtfMakeArgs),
-    /// Make one of pictures whose names say their directions, such as tl030_pl120_tv015_pv060.jpg
+    /// Make one of what was measured: pictures of UBO2003 or a file of UBO2014
     Compress(BtfCompressArgs),
     /// Tell what is in a file
     Info(BtfInfoArgs),
@@ -55,9 +55,9 @@ pub struct BtfMakeArgs {
 /// `kajo btf compress`
 #[derive(Args, Debug)]
 pub struct BtfCompressArgs {
-    /// The folder with the pictures
-    pub folder: PathBuf,
-    /// Texels along a side at most; larger pictures are averaged
+    /// A folder of pictures whose names say their directions, such as tl030_pl120_tv015_pv060.jpg, or a file in the form DFMF or FMF
+    pub measured: PathBuf,
+    /// Texels along a side at most; larger textures are averaged
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub side: u32,
     #[command(flatten)]

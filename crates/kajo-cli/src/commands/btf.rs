@@ -1,10 +1,12 @@
 //! `kajo btf`: bidirectional texture functions.
 
+use std::path::Path;
+
+use kajo::LoadOptions;
 use kajo::btf::{
     self, BtfEncoding, BtfError, BtfSamples, Compression, FolderError, MakeError, Making, write_btf,
 };
 use kajo::output::Target;
-use kajo::{LoadOptions, MemoryBudget};
 
 use crate::args::{BtfCommand, BtfCompressArgs, BtfInfoArgs, BtfKeptArgs, BtfMakeArgs};
 use crate::console;
@@ -32,14 +34,23 @@ fn make(args: &BtfMakeArgs) -> Result<(), Failure> {
 }
 
 fn compress(args: &BtfCompressArgs) -> Result<(), Failure> {
-    let target = Target::check(&args.kept.output, &[])?;
-    let memory = MemoryBudget::default();
-    let samples =
-        btf::read_folder(&args.folder, args.side, &memory, |_, _| {}).map_err(|error| match error {
+    let target = Target::check(&args.kept.output, std::slice::from_ref(&args.measured))?;
+    let memory = LoadOptions::default().budgeted().memory;
+    let samples = if args.measured.is_dir() {
+        btf::read_folder(&args.measured, args.side, &memory, |_, _| {}).map_err(|error| match error {
             FolderError::Memory(over) => Failure::Memory(over.to_string()),
             other => Failure::Input(other.to_string()),
-        })?;
+        })?
+    } else {
+        btf::read_ubo2014(&args.measured, args.side, &memory)
+            .map_err(|error| unreadable(&args.measured, error))?
+    };
     write(&samples, &args.kept, &target)
+}
+
+fn unreadable(path: &Path, error: BtfError) -> Failure {
+    let text = format!("cannot read `{}`: {error}", path.display());
+    if matches!(error, BtfError::Memory(_)) { Failure::Memory(text) } else { Failure::Input(text) }
 }
 
 /// Compresses samples, and says how much of them is left.
@@ -62,11 +73,7 @@ fn write(samples: &BtfSamples, kept: &BtfKeptArgs, target: &Target) -> Result<()
 }
 
 fn info(args: &BtfInfoArgs) -> Result<(), Failure> {
-    let read = btf::read_file(&args.file);
-    let (file, encoding) = read.map_err(|error| {
-        let text = format!("cannot read `{}`: {error}", args.file.display());
-        if matches!(error, BtfError::Memory(_)) { Failure::Memory(text) } else { Failure::Input(text) }
-    })?;
+    let (file, encoding) = btf::read_file(&args.file).map_err(|error| unreadable(&args.file, error))?;
     let levels = file.levels().len();
     let values = if encoding == BtfEncoding::Half { "halves" } else { "floats" };
     let cosine =

@@ -6,7 +6,9 @@ use std::collections::HashMap;
 
 use kajo_color::srgb;
 use kajo_math::{Vec2, Vec3, Vec4};
-use kajo_scene::{AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Span, TriMesh, read_mesh};
+use kajo_scene::{
+    AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Reopen, Span, TriMesh, read_mesh,
+};
 
 use super::Compiler;
 use super::mesh_store::{Kept, Shading, StoreKey};
@@ -219,15 +221,17 @@ impl Compiler<'_> {
     }
 
     /// A picture within another file; `name` is its own and that of the file.
+    ///
+    /// * `source`: how its bytes are had again
     pub(super) fn held_picture(
         &mut self,
-        bytes: &[u8],
+        (bytes, source): (&[u8], Option<Reopen>),
         name: &str,
         encoding: Option<Encoding>,
         span: Span,
     ) -> Option<PictureMap> {
         let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
-        let read = pictures.held(bytes, name, encoding);
+        let read = pictures.held(bytes, name, encoding, source);
         let laid = read.and_then(|(picture, _)| pictures.laid(picture));
         self.laid_or_left_out(laid, name, name, span)
     }

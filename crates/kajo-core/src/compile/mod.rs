@@ -38,6 +38,7 @@ mod mesh_store;
 mod misplaced;
 mod model;
 mod model_beads;
+mod model_files;
 mod model_light;
 mod model_material;
 mod model_picture;

@@ -17,6 +17,7 @@ use super::Compiler;
 use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::mesh::{corner_colors, corner_values};
 use super::model_beads::{BeadMaterials, BeadRadii, Stored};
+use super::model_files::{ModelFiles, RecordedAssets};
 use super::model_material::ModelPictures;
 use super::part::{Part, Parts};
 use super::subdivision::{ReadFaces, Subdivision};
@@ -142,9 +143,9 @@ impl Compiler<'_> {
         at: Span,
     ) -> Option<CompiledModel> {
         let _reading = self.memory_for_file(&file, at)?;
-        let model = self.read_file_of_model(file, key, at)?;
+        let (model, files) = self.read_file_of_model(file, key, at)?;
         self.warn_of_beads(&model, radii, &key.path, at);
-        let pictures = ModelPictures { list: &model.pictures, path: &key.path, at };
+        let pictures = ModelPictures { list: &model.pictures, path: &key.path, files: files.as_ref(), at };
         let mut materials: Vec<Option<MaterialId>> = Vec::new();
         for material in model.materials.iter().filter(|_| key.own_materials) {
             materials.push(self.model_material(material, &pictures));
@@ -193,14 +194,20 @@ impl Compiler<'_> {
         })
     }
 
-    /// What a file says, with warnings of what is left out.
-    fn read_file_of_model(&mut self, file: AssetFile, key: &ModelKey, at: Span) -> Option<Model> {
+    /// What a file says, with warnings of what is left out, and how it is read again.
+    fn read_file_of_model(
+        &mut self,
+        file: AssetFile,
+        key: &ModelKey,
+        at: Span,
+    ) -> Option<(Model, Option<ModelFiles>)> {
         let moment = key.moment.clone().map(|(animation, seconds, repeats)| ModelMoment {
             animation,
             seconds: f64::from_bits(seconds),
             outside: if repeats { Outside::Loop } else { Outside::Hold },
         });
-        let model = match read_gltf_at(file, self.assets, &self.options.limits, moment.as_ref()) {
+        let (assets, reopen) = (RecordedAssets::new(self.assets), file.reopen.clone());
+        let model = match read_gltf_at(file, &assets, &self.options.limits, moment.as_ref()) {
             Ok(model) => model,
             Err(error) => {
                 self.file_errors.push((error, at));
@@ -213,7 +220,8 @@ impl Compiler<'_> {
         if model.instances.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
             self.warn_of_file(&key.path, "it shows no meshes", at);
         }
-        Some(model)
+        let files = reopen.and_then(|reopen| assets.files_of(reopen, &self.options.limits));
+        Some((model, files))
     }
 
     /// Warns of what a model has lost on its way into the scene.

@@ -8,6 +8,7 @@ use kajo_math::Vec3;
 use kajo_scene::{ModelAmount, ModelCover, ModelMaterial, ModelTint, PictureSource, Span, VertexColors};
 
 use super::Compiler;
+use super::model_files::ModelFiles;
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
 use crate::light::Sides;
@@ -30,6 +31,8 @@ pub(super) struct ModelPictures<'a> {
     pub list: &'a [Option<PictureSource>],
     /// Of the model's file.
     pub path: &'a str,
+    /// What pictures that it holds are read from again, where that can be.
+    pub files: Option<&'a ModelFiles>,
     /// Where the scene names it.
     pub at: Span,
 }

@@ -30,7 +30,7 @@ impl Compiler<'_> {
         pictures: &ModelPictures<'_>,
     ) -> Option<PictureMap> {
         let PictureUse { picture: number, wrap, nearest, set, repeat, cross, offset } = shown?;
-        let &ModelPictures { list, path, at } = pictures;
+        let &ModelPictures { list, path, files, at } = pictures;
         let source = list.get(number)?.as_ref()?;
         if is_ktx2(source) {
             let why = "KTX2 pictures (`KHR_texture_basisu`) are not read; a program such as `gltf-transform` writes \
@@ -41,7 +41,8 @@ impl Compiler<'_> {
         let map = match source {
             PictureSource::File(name) => self.found_picture(name, path, encoding, at),
             PictureSource::Bytes(bytes) => {
-                self.held_picture(bytes, &format!("{path}#images[{number}]"), encoding, at)
+                let source = files.map(|files| files.picture(number));
+                self.held_picture((bytes, source), &format!("{path}#images[{number}]"), encoding, at)
             }
         }?;
         let wrap = wrap.map(|wrap| match wrap {

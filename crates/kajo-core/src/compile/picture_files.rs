@@ -8,7 +8,9 @@ use kajo_image::{DecodeLimits, Decoded, Format, ImageError};
 use kajo_scene::{AssetFile, Assets, MemoryBudget, OverBudget, Reopen, read_limited};
 
 use super::CompileOptions;
-use crate::texture::{Encoding, Picture, PictureMap, TexelFilter, TiledCopies, TilingRule};
+use crate::texture::{
+    Encoding, Picture, PictureMap, TexelFilter, TiledCopies, TilingRule, content_stamp,
+};
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
 #[derive(Default)]
@@ -56,9 +58,22 @@ impl PictureReader<'_> {
     }
 
     /// The picture of bytes that another file holds, under a name of its own.
-    pub fn held(&mut self, bytes: &[u8], name: &str, encoding: Option<Encoding>) -> ReadPicture {
+    ///
+    /// * `source`: how its bytes are had again, with a stamp of the content, where that can be
+    pub fn held(
+        &mut self,
+        bytes: &[u8],
+        name: &str,
+        encoding: Option<Encoding>,
+        source: Option<Reopen>,
+    ) -> ReadPicture {
         let memory = self.memory;
-        self.cached((name.to_owned(), encoding), None, || decode(bytes, None, memory))
+        let copies = self.tiled.zip(source);
+        let copies = copies.map(|(copies, source)| {
+            let stamp = content_stamp(bytes);
+            Copies { copies, source, encoding, stamp }
+        });
+        self.cached((name.to_owned(), encoding), copies, || decode(bytes, None, memory))
     }
 
     /// How pictures are filtered that do not say it themselves.

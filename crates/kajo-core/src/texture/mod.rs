@@ -44,6 +44,7 @@ pub use noise::Noise;
 pub use normal_spread::{FilteredNormals, NormalSpread};
 pub use operations::{Complement, Remapped};
 pub use pattern::PatternNode;
+pub(crate) use picture::content_stamp;
 pub use picture::{
     Encoding, Picture, PictureMap, ReadAt, TILED_EXTENSION, TexelFilter, TextureDetail, TileCache, TileFiles,
     TiledCopies, TiledError, Tiling, TilingRule, Wrap,

@@ -41,6 +41,7 @@ use sums::SummedAreaTable;
 use tiled::TiledPicture;
 
 pub use filter::TexelFilter;
+pub(crate) use tiled::content_stamp;
 pub use tiled::{ReadAt, TILED_EXTENSION, TileCache, TileFiles, TiledCopies, TiledError, TilingRule};
 pub use tiling::Tiling;
 pub use wrap::Wrap;

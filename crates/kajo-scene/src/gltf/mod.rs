@@ -21,6 +21,7 @@ mod light;
 mod material;
 mod meshopt;
 mod nodes;
+mod picture;
 mod primitive;
 mod skin;
 mod texture;
@@ -34,7 +35,7 @@ use crate::mesh_file_error::MeshFileError;
 use crate::read_memory::ReadMemory;
 use crate::tri_mesh::TriMesh;
 use kajo_math::DAffine3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use self::animation::{ModelAnimation, ModelMoment};
@@ -44,6 +45,7 @@ pub use self::material::{
     CoordinateSet, ModelAmount, ModelCover, ModelGlossiness, ModelMaterial, ModelTint, PictureUse,
     PictureWrap, VertexColors,
 };
+pub use self::picture::{PictureSource, read_gltf_picture};
 
 /// What a glTF file describes, as far as it is read.
 #[derive(Debug, Default)]
@@ -85,15 +87,6 @@ pub struct ModelPart {
     pub tangents: Vec<[f32; 4]>,
 }
 
-/// Where a picture is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum PictureSource {
-    /// In a file of this name, beside the model's.
-    File(String),
-    /// The content of such a file, which the model holds.
-    Bytes(Vec<u8>),
-}
-
 /// A mesh at its place.
 #[derive(Clone, Debug)]
 pub struct ModelInstance {
@@ -124,6 +117,18 @@ pub fn read_gltf_at(
     limits: &Limits,
     moment: Option<&ModelMoment>,
 ) -> Result<Model, MeshFileError> {
+    read_with(file, assets, limits, |document, buffers, budget| {
+        model(document, buffers, limits, budget, moment)
+    })
+}
+
+/// What `read` makes of the parts of a file.
+fn read_with<T>(
+    file: AssetFile,
+    assets: &dyn Assets,
+    limits: &Limits,
+    read: impl FnOnce(&mut json::Document, &mut Buffers<'_>, &mut Budget) -> Result<T, String>,
+) -> Result<T, MeshFileError> {
     let path = file.path.clone();
     let container = container::read(file, limits)?;
     let mut memory = ReadMemory::new(&limits.memory);
@@ -133,8 +138,7 @@ pub fn read_gltf_at(
     check_extensions(&document).map_err(wrong)?;
     let mut buffers = Buffers::load(&document, &container, &path, assets, limits, &mut memory)?;
     let mut budget = Budget::new(buffers.bytes_read(), memory);
-    let model = model(&mut document, &mut buffers, limits, &mut budget, moment);
-    model.map_err(|message| match budget.over {
+    read(&mut document, &mut buffers, &mut budget).map_err(|message| match budget.over {
         Some(over) => MeshFileError::memory(&path, over),
         None => wrong(message),
     })
@@ -167,7 +171,7 @@ fn model(
         |material: &material::Material| material.understood(&document.textures, &document.samplers);
     model.materials = document.materials.iter().map(understood).collect();
     color_materials(&mut model);
-    model.pictures = pictures(document, &model.materials, buffers, budget)?;
+    model.pictures = picture::pictures(document, &model.materials, buffers, budget)?;
     model.left_out.extend(counts.sentences());
     model.left_out.extend(left_out(document, posed.is_none()));
     if let Some(posed) = posed {
@@ -209,49 +213,6 @@ impl Budget {
             over.to_string()
         })
     }
-}
-
-/// The pictures that the materials use.
-fn pictures(
-    document: &json::Document,
-    materials: &[ModelMaterial],
-    buffers: &Buffers<'_>,
-    budget: &mut Budget,
-) -> Result<Vec<Option<PictureSource>>, String> {
-    let used: BTreeSet<usize> =
-        materials.iter().flat_map(ModelMaterial::pictures).map(|p| p.picture).collect();
-    let mut read = |(i, image): (usize, &json::Image)| {
-        if !used.contains(&i) {
-            return Ok(None);
-        }
-        picture(image, document, buffers, budget).map(Some).map_err(|said| format!("images[{i}]: {said}"))
-    };
-    document.images.iter().enumerate().map(&mut read).collect()
-}
-
-fn picture(
-    image: &json::Image,
-    document: &json::Document,
-    buffers: &Buffers<'_>,
-    budget: &mut Budget,
-) -> Result<PictureSource, String> {
-    if let Some(uri) = &image.uri {
-        return match uri.strip_prefix("data:") {
-            Some(data) => {
-                budget.take::<u8>(data.len())?;
-                container::decode_data(data)
-                    .map(PictureSource::Bytes)
-                    .ok_or("its `data:` uri is not in base64".to_owned())
-            }
-            None => container::percent_decoded(uri)
-                .map(PictureSource::File)
-                .ok_or("its name is not UTF-8".to_owned()),
-        };
-    }
-    let view = image.buffer_view.ok_or("it has neither a `uri` nor a `bufferView`")?;
-    let (bytes, _) = buffers.view(document, view)?;
-    budget.take::<u8>(bytes.len())?;
-    Ok(PictureSource::Bytes(bytes.to_vec()))
 }
 
 /// Tells materials of the colours at the vertices that they are seen on, and gives the standard's own one to coloured parts

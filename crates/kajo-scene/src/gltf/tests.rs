@@ -5,6 +5,7 @@ use crate::assets::MemoryAssets;
 use crate::tri_mesh::Corners;
 use kajo_math::DVec3;
 use proptest::prelude::*;
+use std::collections::BTreeSet;
 
 /// Numbers one after the other, each list beginning at a multiple of four bytes.
 #[derive(Default)]
@@ -388,6 +389,25 @@ fn pictures_of_colours_are_found() {
     let view = r#"{"bufferView":0,"mimeType":"image/png"}"#;
     let model = painted("\"index\":0", &format!("{unused},{view}")).unwrap();
     assert!(matches!(&model.pictures[1], Some(PictureSource::Bytes(bytes)) if !bytes.is_empty()));
+}
+
+#[test]
+fn a_picture_within_is_read_alone() {
+    let images = r#"{"uri":"other.png"},{"uri":"data:image/png;base64,Zm9v"},{"bufferView":0}"#;
+    let (bin, accessors) = square();
+    let rest = format!("{MESH},\"nodes\":[{{\"mesh\":0}}],\"images\":[{images}]");
+    let whole = glb(&json(&bin, &accessors, "", &rest), &bin.bytes);
+    let read = |number| {
+        let assets = MemoryAssets::new().with("a.glb", &*whole);
+        let file = assets.open("a.glb", "").unwrap();
+        read_gltf_picture(file, &MemoryAssets::new(), &Limits::default(), number)
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(read(1).unwrap(), b"foo");
+    // The view of the positions.
+    assert_eq!(read(2).unwrap(), bin.bytes[..48]);
+    assert!(read(0).unwrap_err().contains("images[0]: it is in a file of its own"));
+    assert!(read(3).unwrap_err().contains("images[3]: there is no such picture"));
 }
 
 #[test]

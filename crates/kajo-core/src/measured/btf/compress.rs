@@ -94,10 +94,10 @@ pub fn compress(samples: &BtfSamples, kept: &Compression) -> BtfFile {
     }
     // The largest level has its clusters already, those of smaller ones are found.
     store(&mut file, &samples.values, width, &fits, |texel, _| owners[texel]);
-    let mut level = samples.values.clone();
-    for pair in levels(samples.size).windows(2) {
-        level = halved(&level, width, pair[0], pair[1]);
-        store(&mut file, &level, width, &fits, |_, values| best(values, &fits));
+    let mut smaller = Vec::new();
+    for (i, pair) in levels(samples.size).windows(2).enumerate() {
+        smaller = halved(if i == 0 { &samples.values } else { &smaller }, width, pair[0], pair[1]);
+        store(&mut file, &smaller, width, &fits, |_, values| best(values, &fits));
     }
     file
 }

@@ -18,20 +18,23 @@
 //! before, rounded down and at least 1, until there is one texel. Lists grow as the file is read, so that no number in it can ask
 //! for more memory than the file has bytes.
 
-use std::io::Read;
+use std::io::{self, BufReader, Read};
 
 use kajo_math::half;
-use kajo_scene::{AssetError, AssetFile, Limits, MemoryShare, OverBudget};
+use kajo_scene::{AssetFile, Limits, MemoryShare};
 
-use crate::measured::DirectionError;
+use super::error::BtfError;
+use super::reader::{Reader, Scalar};
 
 const MAGIC: [u8; 8] = *b"kajoBTF\n";
+/// How files of the University of Bonn begin.
+const SIGNATURES: [&[u8]; 4] = [b"!DFMF", b"!FMF", b"!PVF", b"!BDIF"];
 const VERSION: u32 = 1;
 const COSINE: u32 = 1;
 const HALVES: u32 = 2;
 
 /// Most texels along a side.
-const MAX_SIDE: u32 = 1 << 16;
+pub(super) const MAX_SIDE: u32 = 1 << 16;
 
 /// What a file holds: a compressed texture with all its levels.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,41 +65,6 @@ pub enum BtfEncoding {
     Half,
     /// 32 bits.
     Float,
-}
-
-/// Why there is no such texture.
-#[derive(Debug, thiserror::Error)]
-pub enum BtfError {
-    /// The file could not be read.
-    #[error(transparent)]
-    Asset(#[from] AssetError),
-    /// It needs more memory than is left.
-    #[error(transparent)]
-    Memory(#[from] OverBudget),
-    /// It is something else.
-    #[error("this is no kajo BTF: it does not begin with `kajoBTF`")]
-    Magic,
-    /// It is of a later time.
-    #[error("this is version {0} of the format, and 1 is read")]
-    Version(u32),
-    /// It ends too early.
-    #[error("the file ends within its {0}")]
-    Short(&'static str),
-    /// It does not end where it should.
-    #[error("the file goes on after its end")]
-    Long,
-    /// It was damaged.
-    #[error("the checksum of the file is wrong: it was damaged, or not written to its end")]
-    Checksum,
-    /// Numbers that make no sense.
-    #[error("{0}")]
-    Content(String),
-    /// Directions to the viewer.
-    #[error("views: {0}")]
-    Views(DirectionError),
-    /// Directions to the light.
-    #[error("lights: {0}")]
-    Lights(DirectionError),
 }
 
 impl BtfFile {
@@ -141,13 +109,18 @@ impl BtfFile {
         if !self.clusters.iter().chain(&self.texel_weights).all(|v| v.is_finite()) {
             return say("one of its values is infinite or not a number".to_owned());
         }
-        let grazing = |&[theta, _]: &[f32; 2]| (1.5698..1.571).contains(&theta);
-        if let Some(i) = self.lights.iter().position(grazing).filter(|_| self.has_cosine) {
-            return say(format!(
-                "light {i} is on the horizon, where values with the cosine of the light in them say nothing"
-            ));
-        }
-        Ok(())
+        check_horizon(&self.lights, self.has_cosine)
+    }
+}
+
+/// Refuses lights whose cosine cannot be divided out.
+pub(super) fn check_horizon(lights: &[[f32; 2]], has_cosine: bool) -> Result<(), BtfError> {
+    let grazing = |&[theta, _]: &[f32; 2]| (1.5698..1.571).contains(&theta);
+    match lights.iter().position(grazing).filter(|_| has_cosine) {
+        Some(i) => Err(BtfError::Content(format!(
+            "light {i} is on the horizon, where values with the cosine of the light in them say nothing"
+        ))),
+        None => Ok(()),
     }
 }
 
@@ -201,84 +174,42 @@ pub fn write_btf(file: &BtfFile, encoding: BtfEncoding) -> Vec<u8> {
     bytes
 }
 
-/// A file that is read piece by piece.
-struct Reader<'l> {
-    file: Box<dyn Read + Send>,
+/// The bytes of a file, with the checksum of those that were read.
+struct Summed<R> {
+    file: R,
     sum: Checksum,
-    limits: &'l Limits,
-    memory: MemoryShare,
-    /// Bytes that may still be read.
-    left: u64,
 }
 
-impl Reader<'_> {
-    fn bytes(&mut self, bytes: &mut [u8], part: &'static str) -> Result<(), BtfError> {
-        let limit = self.limits.mesh_bytes;
-        self.left = self.left.checked_sub(bytes.len() as u64).ok_or(AssetError::TooLarge { limit })?;
-        match self.file.read_exact(bytes) {
-            Ok(()) => {}
-            Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-                return Err(BtfError::Short(part));
-            }
-            Err(error) => return Err(AssetError::from(error).into()),
-        }
-        self.sum.add(bytes);
-        Ok(())
+impl<R: Read> Read for Summed<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.file.read(buffer)?;
+        self.sum.add(&buffer[..n]);
+        Ok(n)
     }
+}
 
-    fn whole(&mut self) -> Result<u32, BtfError> {
-        let mut bytes = [0; 4];
-        self.bytes(&mut bytes, "header")?;
-        Ok(u32::from_le_bytes(bytes))
+/// Reads the beginning of a file: its flags, its size, and its numbers of views, lights, clusters and components.
+fn read_head(reader: &mut Reader<'_, impl Read>) -> Result<[u32; 7], BtfError> {
+    let mut magic = [0; 8];
+    match reader.bytes(&mut magic, "header") {
+        Err(BtfError::Short(_)) => return Err(BtfError::Magic),
+        other => other?,
     }
-
-    /// Room for `piece` more of a list that still lacks `left`, which includes these.
-    fn room<T>(&mut self, list: &mut Vec<T>, piece: usize, left: u64) -> Result<(), BtfError> {
-        if list.capacity() - list.len() < piece {
-            let more = (list.len() / 4).max(piece).min(usize::try_from(left).unwrap_or(usize::MAX));
-            let bytes = (more * size_of::<T>()) as u64;
-            self.memory.grow(bytes)?;
-            list.try_reserve_exact(more).map_err(|_| self.limits.memory.exceeded(bytes))?;
-        }
-        Ok(())
+    if SIGNATURES.iter().any(|signature| magic.starts_with(signature)) {
+        return Err(BtfError::Bonn);
     }
-
-    /// `count` values appended to a list that lacks `left`, which includes these.
-    fn values(
-        &mut self,
-        list: &mut Vec<f32>,
-        [count, left]: [u64; 2],
-        encoding: BtfEncoding,
-        part: &'static str,
-    ) -> Result<(), BtfError> {
-        /// Numbers that are read at once.
-        const PIECE: usize = 1 << 10;
-        let size = if encoding == BtfEncoding::Half { 2 } else { 4 };
-        let mut buffer = [0; 4 * PIECE];
-        let mut read = 0;
-        while read < count {
-            let piece = (count - read).min(PIECE as u64) as usize;
-            self.room(list, piece, left - read)?;
-            let bytes = &mut buffer[..piece * size];
-            self.bytes(bytes, part)?;
-            match encoding {
-                BtfEncoding::Half => {
-                    list.extend(bytes.chunks_exact(2).map(|b| half::to_f32(u16::from_le_bytes([b[0], b[1]]))))
-                }
-                BtfEncoding::Float => {
-                    list.extend(bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])));
-                }
-            }
-            read += piece as u64;
-        }
-        Ok(())
+    if magic != MAGIC {
+        return Err(BtfError::Magic);
     }
-
-    fn angles(&mut self, count: u32) -> Result<Vec<[f32; 2]>, BtfError> {
-        let mut numbers = Vec::new();
-        self.values(&mut numbers, [2 * u64::from(count); 2], BtfEncoding::Float, "directions")?;
-        Ok(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect())
+    let version = reader.whole("header")?;
+    if version != VERSION {
+        return Err(BtfError::Version(version));
     }
+    let mut head = [0; 7];
+    for n in &mut head {
+        *n = reader.whole("header")?;
+    }
+    check_head(head).map_or(Ok(head), |message| Err(BtfError::Content(message)))
 }
 
 /// Reads a file, and how its values are stored. The second value is memory of the first one, which the holder of both keeps.
@@ -286,39 +217,17 @@ impl Reader<'_> {
 /// # Errors
 /// [`BtfError`], at the first thing that is malformed, cut off, damaged, or exceeds a limit.
 pub fn read_btf(file: AssetFile, limits: &Limits) -> Result<(BtfFile, BtfEncoding, MemoryShare), BtfError> {
-    let left = limits.mesh_bytes;
-    if file.len.is_some_and(|len| len > left) {
-        return Err(AssetError::TooLarge { limit: left }.into());
-    }
-    let memory = limits.memory.share(0)?;
-    let file = Box::new(std::io::BufReader::new(file.reader));
-    let mut reader = Reader { file, sum: Checksum::START, limits, memory, left };
-    let mut magic = [0; 8];
-    match reader.bytes(&mut magic, "header") {
-        Err(BtfError::Short(_)) => return Err(BtfError::Magic),
-        other => other?,
-    }
-    if magic != MAGIC {
-        return Err(BtfError::Magic);
-    }
-    let version = reader.whole()?;
-    if version != VERSION {
-        return Err(BtfError::Version(version));
-    }
-    let mut head = [0; 7];
-    for n in &mut head {
-        *n = reader.whole()?;
-    }
-    let [flags, width, height, n_views, n_lights, n_clusters, components] = head;
-    let refused = check_head(head);
-    if let Some(message) = refused {
-        return Err(BtfError::Content(message));
-    }
-    let encoding = if flags & HALVES == 0 { BtfEncoding::Float } else { BtfEncoding::Half };
+    let summed = Summed { file: BufReader::new(file.reader), sum: Checksum::START };
+    let mut reader = Reader::new(summed, file.len, limits)?;
+    let [flags, width, height, n_views, n_lights, n_clusters, components] = read_head(&mut reader)?;
+    let (encoding, scalar) = match flags & HALVES {
+        0 => (BtfEncoding::Float, Scalar::Float),
+        _ => (BtfEncoding::Half, Scalar::Half),
+    };
     let (views, lights) = (reader.angles(n_views)?, reader.angles(n_lights)?);
     let values = [n_clusters, components + 1, n_views, n_lights, 3].into_iter().map(u64::from).product();
     let (mut clusters, mut texel_clusters, mut texel_weights) = (Vec::new(), Vec::new(), Vec::new());
-    reader.values(&mut clusters, [values; 2], encoding, "clusters")?;
+    reader.values(&mut clusters, [values; 2], scalar, "clusters")?;
     let texels: u64 = levels([width, height]).iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum();
     for texel in 0..texels {
         let mut cluster = [0; 2];
@@ -326,17 +235,15 @@ pub fn read_btf(file: AssetFile, limits: &Limits) -> Result<(BtfFile, BtfEncodin
         reader.bytes(&mut cluster, "texels")?;
         texel_clusters.push(u16::from_le_bytes(cluster));
         let n = u64::from(components);
-        reader.values(&mut texel_weights, [n, n * (texels - texel)], encoding, "texels")?;
+        reader.values(&mut texel_weights, [n, n * (texels - texel)], scalar, "texels")?;
     }
-    let sum = reader.sum.0;
+    let sum = reader.file.sum.0;
     let mut end = [0; 8];
     reader.bytes(&mut end, "checksum")?;
     if u64::from_le_bytes(end) != sum {
         return Err(BtfError::Checksum);
     }
-    if !matches!(reader.bytes(&mut [0], "end"), Err(BtfError::Short(_))) {
-        return Err(BtfError::Long);
-    }
+    reader.end()?;
     let has_cosine = flags & COSINE != 0;
     let size = [width, height];
     let file =

@@ -16,10 +16,15 @@
 //! cosine-weighted cells.
 
 mod compress;
+mod error;
 mod file;
+mod reader;
+mod ubo2014;
 
 pub use compress::{BtfSamples, Compression, compress};
-pub use file::{BtfEncoding, BtfError, BtfFile, read_btf, write_btf};
+pub use error::BtfError;
+pub use file::{BtfEncoding, BtfFile, read_btf, write_btf};
+pub use ubo2014::read_ubo2014;
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::fmt;

@@ -20,6 +20,13 @@ use crate::texture::picture::StoredBytes;
 /// Side of a tile, in texels.
 const SIDE: u32 = 64;
 
+/// A number that differs when bytes do [Fowler, Noll and Vo, FNV-1a].
+pub(crate) fn content_stamp(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
 /// A tile of a level. Those at the right and the lower edge of a level may be smaller than others.
 #[derive(Debug)]
 struct Tile {

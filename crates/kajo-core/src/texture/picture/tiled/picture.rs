@@ -8,7 +8,7 @@ use kajo_scene::{Reopen, read_limited};
 
 use super::cache::{TileCache, TileKey};
 use super::format::{self, Description, Header, TILED_EXTENSION, TiledError};
-use super::{LevelShape, SIDE, Tile, TileTexels};
+use super::{LevelShape, SIDE, Tile, TileTexels, content_stamp};
 use crate::texture::picture::pyramid::{Level, Pyramid};
 use crate::texture::picture::{Encoding, Picture, stored};
 
@@ -76,11 +76,7 @@ fn name_of(source: &Reopen, encoding: Option<Encoding>) -> String {
         Some(Encoding::Linear) => "linear",
     };
     let name = source.identity();
-    // [Fowler, Noll and Vo, FNV-1a]
-    let hash = [name, "\n", kind]
-        .iter()
-        .flat_map(|part| part.bytes())
-        .fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    let hash = content_stamp(format!("{name}\n{kind}").as_bytes());
     let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
     let stem: String = last
         .chars()
