@@ -410,6 +410,8 @@ mod tests {
             ] {
                 assert!((slope(texture) - expected).abs() < 5e-3, "{texture:?} at {p}: {expected}");
             }
+            let nowhere = TextureContext { p: Vec3::NAN, ..at };
+            assert_eq!(bands.slope(textures.evaluator(&nowhere), 0.0), TextureSlope::default(), "not asked");
             let [number, left] = [narrow, rest].map(|texture| texture.at(evaluator));
             assert_eq!((left, wide.at(evaluator)), (1.0 - number, 1.0 + 4.0 * left));
         }

@@ -56,11 +56,11 @@ impl FloatTexture {
         }
     }
 
-    /// The derivatives of `factor` times it at a point.
+    /// The derivatives of `factor` times it at a point; nothing is evaluated for a factor of 0.
     pub fn slope(self, evaluator: TextureEvaluator<'_>, factor: f32) -> TextureSlope {
         match self {
-            FloatTexture::Constant(_) => TextureSlope::default(),
-            FloatTexture::Node(node) => evaluator.textures.slope(node, evaluator.at, factor),
+            FloatTexture::Node(node) if factor != 0.0 => evaluator.textures.slope(node, evaluator.at, factor),
+            FloatTexture::Node(_) | FloatTexture::Constant(_) => TextureSlope::default(),
         }
     }
 
