@@ -45,6 +45,10 @@ impl FloatNode for PictureChannel {
         self.map.wants_footprint()
     }
 
+    fn is_on_second_set(&self) -> bool {
+        self.map.is_on_second_set()
+    }
+
     fn prepare(&self) {
         self.map.prepare();
     }

@@ -170,7 +170,8 @@ impl Mapping {
         let mut sheet = |uv: Vec2, duv: [Vec2; 2], share: f32| {
             let c = self.settled(uv.extend(0.0), duv.map(|d| d.extend(0.0)), at);
             let uv = SurfaceUv::from(c.p.truncate());
-            let footprint = TextureFootprint { uv: c.footprint.p.map(Vec3::truncate), ..c.footprint };
+            let duv = c.footprint.p.map(Vec3::truncate);
+            let footprint = TextureFootprint { uv: duv, second_uv: duv, ..c.footprint };
             f(&TextureContext { uv, footprint, ..c }, share);
         };
         let around = |v: f32| v - v.round();
@@ -184,7 +185,7 @@ impl Mapping {
                     UvSet::First => at.uv.first,
                     UvSet::Second => at.uv.second,
                 };
-                sheet(uv, at.footprint.uv, 1.0);
+                sheet(uv, at.footprint.on(set), 1.0);
             }
             Projection::Planar => sheet(q.truncate(), dq.map(Vec3::truncate), 1.0),
             Projection::Spherical | Projection::Cylindrical | Projection::Camera { .. } => {
@@ -270,6 +271,10 @@ impl FloatNode for MappedFloat {
         self.mapping.is_filtered && self.mapping.warp.is_some()
     }
 
+    fn is_on_second_set(&self) -> bool {
+        self.mapping.projection == Projection::Uv(UvSet::Second)
+    }
+
     fn wants_object_space(&self) -> bool {
         self.mapping.space == TextureSpace::Object
     }
@@ -338,6 +343,10 @@ impl ColorNode for MappedColor {
 
     fn wants_footprint(&self) -> bool {
         self.mapping.is_filtered && self.mapping.warp.is_some()
+    }
+
+    fn is_on_second_set(&self) -> bool {
+        self.mapping.projection == Projection::Uv(UvSet::Second)
     }
 
     fn wants_object_space(&self) -> bool {

@@ -88,6 +88,11 @@ pub trait FloatNode {
         false
     }
 
+    /// Whether it lies on the second set of surface coordinates, parts left out.
+    fn is_on_second_set(&self) -> bool {
+        false
+    }
+
     /// Makes what it shares with others that show the same picture.
     fn prepare(&self) {}
 
@@ -159,6 +164,8 @@ family! {
         fn wants_footprint() -> bool;
         /// See [`FloatNode::wants_object_space`].
         fn wants_object_space() -> bool;
+        /// See [`FloatNode::is_on_second_set`].
+        fn is_on_second_set() -> bool;
         /// See [`FloatNode::prepare`].
         fn prepare() -> ();
     }
@@ -196,6 +203,11 @@ pub trait ColorNode {
 
     /// Whether what it answers depends on [`TextureContext::object_from_world`], parts left out.
     fn wants_object_space(&self) -> bool {
+        false
+    }
+
+    /// Whether it lies on the second set of surface coordinates, parts left out.
+    fn is_on_second_set(&self) -> bool {
         false
     }
 
@@ -250,6 +262,8 @@ family! {
         fn wants_footprint() -> bool;
         /// See [`ColorNode::wants_object_space`].
         fn wants_object_space() -> bool;
+        /// See [`ColorNode::is_on_second_set`].
+        fn is_on_second_set() -> bool;
         /// See [`ColorNode::prepare`].
         fn prepare() -> ();
     }
@@ -280,6 +294,7 @@ pub struct Textures {
     pub colors: ColorNodes,
     wants_footprint: bool,
     wants_object_space: bool,
+    has_second_set: bool,
 }
 
 impl Textures {
@@ -288,6 +303,7 @@ impl Textures {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
         self.wants_object_space |= node.wants_object_space();
+        self.has_second_set |= node.is_on_second_set();
         node.prepare();
         node.store(&mut self.floats).map(FloatTexture::Node)
     }
@@ -297,6 +313,7 @@ impl Textures {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
         self.wants_object_space |= node.wants_object_space();
+        self.has_second_set |= node.is_on_second_set();
         node.prepare();
         node.store(&mut self.colors).map(ColorTexture::Node)
     }
@@ -304,6 +321,11 @@ impl Textures {
     /// Whether what any node answers depends on [`TextureContext::footprint`].
     pub fn wants_footprint(&self) -> bool {
         self.wants_footprint
+    }
+
+    /// Whether what any node answers depends on [`TextureFootprint::second_uv`].
+    pub fn wants_second_footprint(&self) -> bool {
+        self.wants_footprint && self.has_second_set
     }
 
     /// Whether what any node answers depends on [`TextureContext::object_from_world`].

@@ -226,6 +226,10 @@ impl ColorNode for PictureMap {
         self.filter.wants_footprint()
     }
 
+    fn is_on_second_set(&self) -> bool {
+        self.set == UvSet::Second
+    }
+
     fn prepare(&self) {
         self.picture.prepare(self.filter);
     }
