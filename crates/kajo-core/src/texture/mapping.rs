@@ -20,8 +20,8 @@ use kajo_math::pattern::TurbulentWarp;
 use kajo_math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, fmath};
 
 use super::{
-    AnyTexture, ColorNode, ColorTexture, FloatNode, FloatTexture, SurfaceUv, TextureContext, TextureDetail,
-    TextureFootprint, TextureSlope, Textures, UvSet,
+    AnyTexture, ColorNode, ColorTexture, FilteredNumber, FloatNode, FloatTexture, SurfaceUv, TextureContext,
+    TextureDetail, TextureFootprint, TextureSlope, Textures, UvSet,
 };
 
 /// How points of space become places of a texture.
@@ -293,6 +293,15 @@ impl FloatNode for MappedFloat {
         sum
     }
 
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        let mut sum = FilteredNumber::default();
+        self.mapping.each(at, |at, share| {
+            let number = self.texture.filtered(textures.evaluator(at));
+            sum = sum.plus(number.mapped(share * number.mean, share));
+        });
+        sum
+    }
+
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {
         let Mapping { projection, size, warp, .. } = &*self.mapping;
         let value = |at: &TextureContext| self.value(textures, at);
@@ -367,6 +376,10 @@ impl ColorNode for MappedColor {
             sum += self.texture.at(textures.evaluator(at), wavelengths) * share;
         });
         sum
+    }
+
+    fn color_is_filtered(&self, textures: &Textures) -> bool {
+        self.texture.is_filtered(textures)
     }
 
     fn color_mean(&self, textures: &Textures) -> [f32; 3] {

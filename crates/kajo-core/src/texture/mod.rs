@@ -9,8 +9,11 @@ mod checker;
 mod combination;
 mod context;
 mod coordinates;
+mod curve;
 mod expression;
+mod filtered;
 mod footprint;
+mod integral;
 mod knots;
 mod mapping;
 mod marble;
@@ -34,7 +37,9 @@ pub use checker::Checker;
 pub use combination::{ColorCombination, ColorOperation, FloatCombination, FloatOperation};
 pub use context::TextureContext;
 pub use coordinates::UvSet;
+pub use curve::{Curve, CurveNumbers};
 pub use expression::Expression;
+pub use filtered::FilteredNumber;
 pub use footprint::TextureFootprint;
 pub use knots::{Interpolation, Knots};
 pub use mapping::{MappedColor, MappedFloat, Mapping, Projection, TextureSpace};
@@ -49,7 +54,7 @@ pub use picture::{
     TiledCopies, TiledError, Tiling, TilingRule, Wrap,
 };
 pub use placed::Placed;
-pub use ramp::{Colors, Curve, Cycle, Grey, Lightness, Ramp};
+pub use ramp::{Colors, Cycle, Grey, Lightness, Ramp};
 pub(crate) use rgb::rgb_reflectance;
 pub use slope::TextureSlope;
 pub use surface_share::SurfaceShare;
@@ -98,6 +103,16 @@ pub trait FloatNode {
 
     /// The number at a point.
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32;
+
+    /// Whether it is, or is made of, something that is filtered by [`TextureContext::footprint`].
+    fn is_filtered(&self, textures: &Textures) -> bool {
+        self.part().is_some_and(|part| part.is_filtered(textures))
+    }
+
+    /// The number at a point, with what is known of how it varies within the footprint; nothing unless it says otherwise.
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        FilteredNumber::point(self.value(textures, at))
+    }
 
     /// The number where it is an opacity, which the opacity at the corners of a mesh is another factor of.
     fn covered(&self, textures: &Textures, at: &TextureContext) -> f32 {
@@ -179,6 +194,10 @@ family! {
         fn detail(found: &mut TextureDetail);
         /// See [`FloatNode::value`].
         fn value(at: &TextureContext) -> f32;
+        /// See [`FloatNode::is_filtered`].
+        fn is_filtered() -> bool;
+        /// See [`FloatNode::filtered`].
+        fn filtered(at: &TextureContext) -> FilteredNumber;
         /// See [`FloatNode::covered`].
         fn covered(at: &TextureContext) -> f32;
         /// See [`FloatNode::slope`].
@@ -216,6 +235,11 @@ pub trait ColorNode {
 
     /// The reflectance at a point.
     fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
+
+    /// Whether it is, or is made of, something that is filtered by [`TextureContext::footprint`].
+    fn color_is_filtered(&self, _textures: &Textures) -> bool {
+        false
+    }
 
     /// Whether the colour depends on surface coordinates.
     fn color_needs_uv(&self, textures: &Textures) -> bool;
@@ -274,6 +298,8 @@ family! {
     methods of Textures.colors {
         /// See [`ColorNode::color_mean`].
         fn color_mean() -> [f32; 3];
+        /// See [`ColorNode::color_is_filtered`].
+        fn color_is_filtered() -> bool;
         /// See [`ColorNode::color_needs_uv`].
         fn color_needs_uv() -> bool;
         /// See [`ColorNode::color_detail`].

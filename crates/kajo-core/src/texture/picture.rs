@@ -239,6 +239,10 @@ impl ColorNode for PictureMap {
         rgb_reflectance([r, g, b], wavelengths)
     }
 
+    fn color_is_filtered(&self, _textures: &Textures) -> bool {
+        ColorNode::wants_footprint(self)
+    }
+
     fn color_needs_uv(&self, _textures: &Textures) -> bool {
         true
     }
