@@ -140,17 +140,30 @@ impl Scene {
     /// Where materials are evaluated for an interaction.
     #[inline]
     pub fn texture_context(&self, at: &Interaction) -> TextureContext {
-        let needs_uv = self.appearance.has_pictures && self.appearance.needs_uv(at.material);
-        let uv = if needs_uv { rarely(|| self.geometry.surface_uv(at)) } else { SurfaceUv::default() };
-        let footprint = if self.appearance.has_filters {
-            rarely(|| self.texture_footprint(at, needs_uv))
-        } else {
-            TextureFootprint::POINT
-        };
+        match self.appearance.has_filters {
+            true => rarely(|| {
+                let footprint = self.texture_footprint(at, self.needs_uv(at));
+                TextureContext { footprint, ..self.point_context(at) }
+            }),
+            false => self.point_context(at),
+        }
+    }
+
+    #[inline(always)]
+    fn needs_uv(&self, at: &Interaction) -> bool {
+        self.appearance.has_pictures && self.appearance.needs_uv(at.material)
+    }
+
+    /// The same with the footprint of a point.
+    #[inline(always)]
+    fn point_context(&self, at: &Interaction) -> TextureContext {
+        let uv =
+            if self.needs_uv(at) { rarely(|| self.geometry.surface_uv(at)) } else { SurfaceUv::default() };
         let p = self.geometry.pattern_point(at);
         let n = self.geometry.pattern_normal(at);
         let object_from_world = self.pattern_frame(at);
-        TextureContext { p, uv, tint: self.geometry.tint(at), n, time: at.time, object_from_world, footprint }
+        let (tint, footprint) = (self.geometry.tint(at), TextureFootprint::POINT);
+        TextureContext { p, uv, tint, n, time: at.time, object_from_world, footprint }
     }
 
     /// [`TextureContext::object_from_world`] at an interaction.

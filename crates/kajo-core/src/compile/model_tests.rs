@@ -7,19 +7,26 @@ use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
 use crate::camera::Camera;
 use crate::compile::{CompileOptions, compile};
+use crate::differential::SurfaceFootprint;
 use crate::light::tests::sample_li;
 use crate::scene::{Interaction, Scene};
 
 /// The scene of these objects, which may name `a.gltf`, `a.obj` and `a.ply`, and what was said; the file has this content besides a triangle of
 /// the corners (-1, -1), (3, -1) and (-1, 3): positions in accessor 0, coordinates from (0, 0) to (2, 2) in 1, coordinates of
-/// (0.75, 0.75) in 2, red, green and blue in 3, and the same with opacities of 1, 0.5 and 0 in 4.
+/// (0.75, 0.75) in 2, red, green and blue in 3, the same with opacities of 1, 0.5 and 0 in 4, and 8 times those of 1 in 5.
 fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
-    let floats: [&[f32]; 5] = [
+    compiled_of("Materials { Matte { color 0.5 0.5 0.5 } }", objects, content)
+}
+
+/// The same of these materials.
+fn compiled_of(materials: &str, objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
+    let floats: [&[f32]; 6] = [
         &[-1.0, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0],
         &[0.0, 1.0, 2.0, 1.0, 0.0, -1.0],
         &[0.75, 0.25, 0.75, 0.25, 0.75, 0.25],
         &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
         &[1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.0],
+        &[0.0, 8.0, 16.0, 8.0, 0.0, -8.0],
     ];
     let (mut bytes, mut views, mut accessors) = (Vec::new(), Vec::new(), Vec::new());
     for (i, list) in floats.iter().enumerate() {
@@ -61,7 +68,7 @@ fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
         );
     let text = format!(
         "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
-         Materials {{ Matte {{ color 0.5 0.5 0.5 }} }} Group {{ MaterialIndex 0 {objects} }}"
+         {materials} Group {{ MaterialIndex 0 {objects} }}"
     );
     let mut parsed = SceneDesc::parse_str(&text);
     let mut diagnostics = Diagnostics::default();
@@ -224,6 +231,42 @@ fn pictures_are_laid_by_the_second_coordinates() {
     let laid = scene("Model { file a.gltf }", &triangle(r#","TEXCOORD_0":1,"TEXCOORD_1":2"#, material));
     for (x, y) in [(-0.5, -0.5), (0.5, 0.5), (-0.5, 0.9)] {
         assert!(color(&laid, x, y).distance(Vec3::Y) < 1e-3, "{}", color(&laid, x, y));
+    }
+}
+
+/// Where the second coordinates grow 8 times as fast as the first, a sample covers 8 times as much of a picture on them.
+#[test]
+fn footprints_on_second_coordinates_are_their_own() {
+    let laid = |filter: &str, set: u32, attributes: &str, material: &str| {
+        let materials = format!(
+            "Textures {{ Placed t {{ texture a.png {{ filter {filter} }}  projection uv  uvSet {set} }} }}
+             Materials {{ Matte {{ color t }} }}"
+        );
+        let content = triangle(attributes, material);
+        let (scene, said) = compiled_of(&materials, "Model { file a.gltf  materials off }", &content);
+        assert!(said.is_empty(), "{said:?}");
+        scene.expect("a scene without mistakes")
+    };
+    let asks =
+        r#""normalTexture":{"index":0},"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1}}"#;
+    let covered = |scene: &Scene, x: f32, y: f32| {
+        let footprint = SurfaceFootprint { dp: [0.3 * Vec3::X, 0.1 * (Vec3::X + Vec3::Y)] };
+        let at = Interaction { footprint, ..met(scene, x, y) };
+        let context = scene.texture_context(&at);
+        Vec3::from(scene.appearance.phong(at.material, &context).diffuse.to_rgb())
+    };
+    for filter in ["ewa", "trilinear", "sat", "feline"] {
+        let second = laid(filter, 2, r#","TEXCOORD_0":1,"TEXCOORD_1":5"#, asks);
+        let first = laid(filter, 1, r#","TEXCOORD_0":5"#, "");
+        assert!(second.appearance.textures.wants_second_footprint());
+        assert!(!first.appearance.textures.wants_second_footprint());
+        let mut off = 0.0f32;
+        for (x, y) in (0..40).map(|i| (-0.9 + 0.04 * i as f32, -0.7 + 0.03 * i as f32)) {
+            let (found, expected) = (covered(&second, x, y), covered(&first, x, y));
+            assert!(found.distance(expected) < 1e-5, "{filter} {x} {y}: {found} {expected}");
+            off = off.max(found.distance(color(&second, x, y)));
+        }
+        assert!(off > 0.05, "{filter}: {off}");
     }
 }
 

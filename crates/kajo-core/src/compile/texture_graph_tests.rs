@@ -265,6 +265,45 @@ fn filters_fade_what_is_too_fine() {
     assert_eq!(faded.value(Vec3::ONE), sharp.value(Vec3::ONE), "a point covers nothing");
 }
 
+/// With a footprint a number is a mean, whatever stands between the pattern and the threshold; at a point nothing is different.
+#[test]
+fn thresholds_average_over_footprints() {
+    let graphs = [
+        "Threshold t { texture s }  Gradient s { wave once  filter on }",
+        "Threshold t { texture m  edge 0.3 }  Multiply m { texture s texture 0.6 }  Gradient s { wave once  filter on }",
+        "Curve t { texture m  interpolation step  stop 0 1  stop 0.5 0 }  Blend m { texture 1 texture 0 amount s }
+         Gradient s { wave once  filter on }",
+        "Threshold t { texture f }  Formula f { texture s  function = x }  Placed s { texture p  size 0.5 }
+         Gradient p { wave once  size 2  filter on }",
+        "Threshold t { texture c }  Ramp c { texture s  stop 0 0 0 0  stop 1 1 1 1 }  Gradient s { wave once  filter on }",
+        "Threshold t { texture h }  Threshold h { texture s  softness 1 }  Gradient s { wave once  filter on }",
+    ];
+    // The number s is x: from -w/2 to w/2 around it a share of (x - 1/2 + w/2) / w is more than 1/2.
+    const W: f32 = 0.2;
+    let footprint = TextureFootprint { p: [W * Vec3::X, 0.7 * Vec3::Y], ..TextureFootprint::POINT };
+    for graph in graphs {
+        let shown = shown(graph);
+        let plain = self::shown(&graph.replace("filter on", "filter off"));
+        for x in [0.1, 0.39, 0.42, 0.47, 0.5, 0.53, 0.59, 0.61, 0.9] {
+            let at = context(Vec3::new(x, 0.2, 0.3));
+            let found = shown.at(&TextureContext { footprint, ..at });
+            let expected = ((x - 0.5) / W + 0.5).clamp(0.0, 1.0);
+            assert!((found - expected).abs() < 0.05, "{graph} at {x}: {found} {expected}");
+            assert_eq!(shown.at(&at).to_bits(), plain.at(&at).to_bits());
+            let unfiltered = plain.at(&TextureContext { footprint, ..at });
+            assert_eq!(unfiltered.to_bits(), plain.at(&at).to_bits(), "nothing is filtered");
+        }
+    }
+    // Half of all cells are 1, seen from afar.
+    let wide = TextureFootprint { p: [5.0 * Vec3::X, 5.0 * Vec3::Y], ..TextureFootprint::POINT };
+    let checks = shown(
+        "Ramp t { texture c  interpolation step  stop 0 0.2 0.2 0.2  stop 0.9 1 1 1 }  Checks c { filter on }",
+    );
+    let at = TextureContext { footprint: wide, ..context(Vec3::new(0.3, 0.4, 0.5)) };
+    let rgb = checks.color.at(checks.scene.appearance.textures.evaluator(&at), &Wavelengths::RGB).to_rgb();
+    assert!((rgb[0] - 0.6).abs() < 0.02, "{rgb:?}");
+}
+
 #[test]
 fn every_texture_is_finite_everywhere() {
     for member in TEXTURES {

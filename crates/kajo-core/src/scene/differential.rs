@@ -61,8 +61,15 @@ impl Scene {
         if at.footprint.is_point() {
             return TextureFootprint::POINT;
         }
-        let uv = if needs_uv { in_coordinates(&self.geometry.tangents(at), dp) } else { [Vec2::ZERO; 2] };
-        TextureFootprint { p: dp, uv }
+        if !needs_uv {
+            return TextureFootprint { p: dp, ..TextureFootprint::POINT };
+        }
+        let uv = in_coordinates(&self.geometry.tangents(at), dp);
+        let second = match self.appearance.textures.wants_second_footprint() {
+            true => self.geometry.second_tangents(at),
+            false => None,
+        };
+        TextureFootprint { p: dp, uv, second_uv: second.map_or(uv, |tangents| in_coordinates(&tangents, dp)) }
     }
 }
 

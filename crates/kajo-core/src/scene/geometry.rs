@@ -362,32 +362,55 @@ impl Geometry {
 
     /// How the position at an interaction changes with surface coordinates, in world space.
     pub fn tangents(&self, at: &Interaction) -> Tangents {
+        let tangents = self.tangents_by(at, |shape, p| Some(self.shapes.tangents_at(shape, &at.hit, p)));
+        tangents.unwrap_or_default()
+    }
+
+    /// The same by the second set of surface coordinates; `None` where there is none.
+    #[inline(never)]
+    pub(super) fn second_tangents(&self, at: &Interaction) -> Option<Tangents> {
+        self.tangents_by(at, |shape, p| self.shapes.second_tangents_at(shape, &at.hit, p))
+    }
+
+    /// Tangents at an interaction in world space, by those at a point of its shape.
+    #[inline(always)]
+    fn tangents_by(
+        &self,
+        at: &Interaction,
+        tangents: impl Fn(ShapeId, Vec3) -> Option<Tangents>,
+    ) -> Option<Tangents> {
         let of = |shape: ShapeId, map: &Transform| {
             let own = map.object_from_world.transform_point3(at.point.p);
-            self.shapes.tangents_at(shape, &at.hit, own).transformed(map)
+            Some(tangents(shape, own)?.transformed(map))
         };
         match self.primitives.get(at.object.index()) {
             Some(&Primitive { shape, pose, .. }) => match pose.still_in(&self.transforms) {
                 Some(map) => of(shape, map),
-                None => rarely(|| self.moving_tangents(at, shape, pose)),
+                None => rarely(|| self.moving_tangents(at, shape, pose, &tangents)),
             },
             None => {
-                let leaf = self.leaf(at.object);
-                leaf.map_or_else(Tangents::default, |leaf| of(leaf.shape, &leaf.world_from_object()))
+                let leaf = self.leaf(at.object)?;
+                of(leaf.shape, &leaf.world_from_object())
             }
         }
     }
 
     /// The same of something that has a motion.
-    fn moving_tangents(&self, at: &Interaction, shape: ShapeId, pose: PoseId) -> Tangents {
+    fn moving_tangents(
+        &self,
+        at: &Interaction,
+        shape: ShapeId,
+        pose: PoseId,
+        tangents: impl Fn(ShapeId, Vec3) -> Option<Tangents>,
+    ) -> Option<Tangents> {
         self.transform_at(pose, at.time, |map| {
             let own = map.object_from_world.transform_point3(at.point.p);
             let opening = self.at_opening(shape, at.hit.part, own, at.time);
-            let tangents = self.shapes.tangents_at(shape, &at.hit, opening);
+            let tangents = tangents(shape, opening)?;
             let inner = self.shapes.part_motion(shape, at.hit.part);
-            inner
-                .map_or(tangents, |inner| tangents.transformed(&inner.between([0.0, at.time])))
-                .transformed(map)
+            let carried =
+                inner.map_or(tangents, |inner| tangents.transformed(&inner.between([0.0, at.time])));
+            Some(carried.transformed(map))
         })
     }
 

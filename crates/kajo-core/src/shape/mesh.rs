@@ -258,6 +258,11 @@ impl Surface for Mesh {
         attributes.tangents(self.parts.faces[hit.part as usize], hit, n, own)
     }
 
+    fn second_tangents_at(&self, hit: &Hit, _p: Vec3) -> Option<Tangents> {
+        let uvs = self.parts.attributes.as_ref()?.second_uvs(self.parts.faces[hit.part as usize])?;
+        Some(Tangents::of_triangle(self.triangle(hit.part).map(|p| p.as_dvec3()), uvs))
+    }
+
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
         for face in 0..self.parts.faces.len() as u32 {
             visit(face, Patch::Triangle(self.triangle(face).map(|v| v.as_dvec3())));

@@ -141,6 +141,11 @@ pub trait Surface: Sized {
     /// How the position changes with surface coordinates at the point `p` of a hit.
     fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents;
 
+    /// The same by the second set of texture coordinates, if there is one.
+    fn second_tangents_at(&self, _hit: &Hit, _p: Vec3) -> Option<Tangents> {
+        None
+    }
+
     /// Whether the surface encloses a volume, so that crossings come in pairs.
     fn is_closed(&self) -> bool;
 
@@ -269,6 +274,8 @@ family! {
         fn has_colors() -> bool;
         /// See [`Surface::tangents_at`].
         fn tangents_at(hit: &Hit, p: Vec3) -> Tangents;
+        /// See [`Surface::second_tangents_at`].
+        fn second_tangents_at(hit: &Hit, p: Vec3) -> Option<Tangents>;
         /// See [`Surface::is_closed`].
         fn is_closed() -> bool;
         /// See [`Surface::is_solid`].

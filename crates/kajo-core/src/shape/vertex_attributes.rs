@@ -25,9 +25,14 @@ impl VertexAttributes {
         size_of_val(&*self.second_uvs) + size_of_val(&*self.tangents)
     }
 
+    /// The second texture coordinates of the corners of a triangle.
+    pub(super) fn second_uvs(&self, vertices: [u32; 3]) -> Option<[Vec2; 3]> {
+        corners(&self.second_uvs, vertices)
+    }
+
     /// The second texture coordinates where a triangle of these vertices is hit.
     pub(super) fn second_uv(&self, vertices: [u32; 3], hit: &Hit) -> Option<Vec2> {
-        let [a, b, c] = corners(&self.second_uvs, vertices)?;
+        let [a, b, c] = self.second_uvs(vertices)?;
         Some((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
     }
 

@@ -1,6 +1,8 @@
 //! Channels of pictures as numbers.
 
-use super::{ColorNode, FloatNode, PictureMap, TextureContext, TextureDetail, TextureSlope, Textures};
+use super::{
+    ColorNode, FilteredNumber, FloatNode, PictureMap, TextureContext, TextureDetail, TextureSlope, Textures,
+};
 
 /// What of a picture is a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +47,10 @@ impl FloatNode for PictureChannel {
         self.map.wants_footprint()
     }
 
+    fn is_on_second_set(&self) -> bool {
+        self.map.is_on_second_set()
+    }
+
     fn prepare(&self) {
         self.map.prepare();
     }
@@ -52,6 +58,20 @@ impl FloatNode for PictureChannel {
     #[inline]
     fn value(&self, _textures: &Textures, at: &TextureContext) -> f32 {
         self.map.filtered(at)[self.channel as usize]
+    }
+
+    fn is_filtered(&self, _textures: &Textures) -> bool {
+        self.map.wants_footprint()
+    }
+
+    /// By differences; what the filter took away is not known.
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        let value = |at: &TextureContext| self.value(textures, at);
+        if self.map.wants_footprint() {
+            FilteredNumber::by_differences(at, 0.0, value)
+        } else {
+            FilteredNumber::point(value(at))
+        }
     }
 
     fn slope(&self, _textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {

@@ -7,8 +7,8 @@ use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::tape::{Dual, Tape};
 
 use super::{
-    AnyTexture, ColorNode, ColorTexture, FloatNode, FloatTexture, TextureContext, TextureDetail,
-    TextureEvaluator, TextureSlope, Textures,
+    AnyTexture, ColorNode, ColorTexture, FilteredNumber, FloatNode, FloatTexture, TextureContext,
+    TextureDetail, TextureEvaluator, TextureSlope, Textures,
 };
 
 /// What is made of numbers.
@@ -38,6 +38,15 @@ thread_local! {
     static SCRATCH: RefCell<(Vec<f64>, Vec<Dual<f64, 3>>)> = RefCell::default();
 }
 
+/// The value of a formula, with its derivatives by the numbers that it is of.
+fn formula_of(tape: &Tape, values: [f32; 3]) -> Dual<f64, 3> {
+    let variables = [0, 1, 2].map(|k| Dual {
+        value: values[k].into(),
+        slopes: std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }),
+    });
+    SCRATCH.with_borrow_mut(|(_, slots)| tape.at(&variables, slots))
+}
+
 /// A number held to [0, 1]; 0 for what is none.
 fn held(v: f64) -> f32 {
     if v > 0.0 { v.min(1.0) as f32 } else { 0.0 }
@@ -46,12 +55,25 @@ fn held(v: f64) -> f32 {
 impl FloatCombination {
     /// The value of a formula, with its derivatives by the parts.
     fn formula(&self, tape: &Tape, evaluator: TextureEvaluator<'_>) -> Dual<f64, 3> {
-        let variable = |k: usize| Dual {
-            value: self.parts.get(k).map_or(0.0, |part| part.at(evaluator).into()),
-            slopes: std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }),
-        };
-        let variables = [0, 1, 2].map(variable);
-        SCRATCH.with_borrow_mut(|(_, slots)| tape.at(&variables, slots))
+        let value = |k: usize| self.parts.get(k).map_or(0.0, |part| part.at(evaluator));
+        formula_of(tape, [0, 1, 2].map(value))
+    }
+
+    fn filtered_formula(&self, tape: &Tape, evaluator: TextureEvaluator<'_>) -> FilteredNumber {
+        let part =
+            |k: usize| self.parts.get(k).map_or(FilteredNumber::default(), |part| part.filtered(evaluator));
+        let parts = [0, 1, 2].map(part);
+        let means = parts.map(|part| f64::from(part.mean));
+        let mean = held(SCRATCH.with_borrow_mut(|(slots, _)| tape.at(&means, slots)));
+        if !parts.iter().any(FilteredNumber::varies) || mean <= 0.0 || mean >= 1.0 {
+            return FilteredNumber::point(mean);
+        }
+        let Dual { slopes, .. } = formula_of(tape, parts.map(|part| part.mean));
+        if slopes.iter().any(|slope| !slope.is_finite()) {
+            return FilteredNumber::point(mean);
+        }
+        let changes = parts.iter().zip(slopes).map(|(part, slope)| part.mapped(0.0, slope as f32));
+        FilteredNumber { mean, ..changes.fold(FilteredNumber::default(), |sum, part| sum.plus(part)) }
     }
 }
 
@@ -88,6 +110,35 @@ impl FloatNode for FloatCombination {
                 let values = [0, 1, 2].map(value);
                 held(SCRATCH.with_borrow_mut(|(slots, _)| tape.at(&values, slots)))
             }
+        }
+    }
+
+    fn is_filtered(&self, textures: &Textures) -> bool {
+        self.parts.iter().any(|part| part.is_filtered(textures))
+    }
+
+    /// By the rules of sums, products and chains, as [`FloatNode::slope`]; what was lost of its parts is taken for independent.
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        let evaluator = textures.evaluator(at);
+        let mut parts = self.parts.iter().map(|part| part.filtered(evaluator));
+        match &self.operation {
+            FloatOperation::Mix => {
+                let [a, b, t] = *self.parts else { return FilteredNumber::default() };
+                let [a, b, t] = [a, b, t].map(|part| part.filtered(evaluator));
+                let mean = mixed(t.mean, || a.mean, || b.mean);
+                let sum = a.mapped(0.0, 1.0 - t.mean).plus(b.mapped(0.0, t.mean));
+                FilteredNumber { mean, ..sum.plus(t.mapped(0.0, b.mean - a.mean)) }
+            }
+            FloatOperation::Multiply => {
+                let first = parts.next().unwrap_or(FilteredNumber::point(1.0));
+                parts.fold(first, |product, part| product.times(part))
+            }
+            FloatOperation::Add => {
+                let sum = parts.fold(FilteredNumber::default(), |sum, part| sum.plus(part));
+                let is_free = sum.mean > 0.0 && sum.mean < 1.0;
+                sum.mapped(sum.mean.clamp(0.0, 1.0), if is_free { 1.0 } else { 0.0 })
+            }
+            FloatOperation::Formula(tape) => self.filtered_formula(tape, evaluator),
         }
     }
 
@@ -189,6 +240,11 @@ impl ColorNode for ColorCombination {
     fn color_needs_uv(&self, textures: &Textures) -> bool {
         let amount = matches!(self.operation, ColorOperation::Mix(t) if t.needs_uv(textures));
         amount || self.parts.iter().any(|part| part.needs_uv(textures))
+    }
+
+    fn color_is_filtered(&self, textures: &Textures) -> bool {
+        let amount = matches!(self.operation, ColorOperation::Mix(t) if t.is_filtered(textures));
+        amount || self.parts.iter().any(|part| part.is_filtered(textures))
     }
 
     fn color_detail(&self, textures: &Textures, found: &mut TextureDetail) {

@@ -35,6 +35,16 @@ impl<const N: usize> Knots<N> {
         &self.knots
     }
 
+    /// The places, and between two of them those that part what is between into `parts` alike.
+    pub(super) fn breakpoints(&self, parts: usize) -> Vec<f32> {
+        let between = |pair: &[(f32, [f32; N])]| {
+            let (a, b) = (pair[0].0, pair[1].0);
+            (0..parts).map(move |i| a + (b - a) * (i as f32 / parts as f32))
+        };
+        let last = self.knots.last().map(|(at, _)| *at);
+        self.knots.windows(2).flat_map(between).chain(last).collect()
+    }
+
     /// The two points around a place and the share of the second; `None` before and after all.
     fn around(&self, t: f32) -> Option<(&[f32; N], &[f32; N], f32, f32)> {
         let after = self.knots.partition_point(|(at, _)| *at <= t);

@@ -20,8 +20,8 @@ use kajo_math::pattern::TurbulentWarp;
 use kajo_math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, fmath};
 
 use super::{
-    AnyTexture, ColorNode, ColorTexture, FloatNode, FloatTexture, SurfaceUv, TextureContext, TextureDetail,
-    TextureFootprint, TextureSlope, Textures, UvSet,
+    AnyTexture, ColorNode, ColorTexture, FilteredNumber, FloatNode, FloatTexture, SurfaceUv, TextureContext,
+    TextureDetail, TextureFootprint, TextureSlope, Textures, UvSet,
 };
 
 /// How points of space become places of a texture.
@@ -170,7 +170,8 @@ impl Mapping {
         let mut sheet = |uv: Vec2, duv: [Vec2; 2], share: f32| {
             let c = self.settled(uv.extend(0.0), duv.map(|d| d.extend(0.0)), at);
             let uv = SurfaceUv::from(c.p.truncate());
-            let footprint = TextureFootprint { uv: c.footprint.p.map(Vec3::truncate), ..c.footprint };
+            let duv = c.footprint.p.map(Vec3::truncate);
+            let footprint = TextureFootprint { uv: duv, second_uv: duv, ..c.footprint };
             f(&TextureContext { uv, footprint, ..c }, share);
         };
         let around = |v: f32| v - v.round();
@@ -184,7 +185,7 @@ impl Mapping {
                     UvSet::First => at.uv.first,
                     UvSet::Second => at.uv.second,
                 };
-                sheet(uv, at.footprint.uv, 1.0);
+                sheet(uv, at.footprint.on(set), 1.0);
             }
             Projection::Planar => sheet(q.truncate(), dq.map(Vec3::truncate), 1.0),
             Projection::Spherical | Projection::Cylindrical | Projection::Camera { .. } => {
@@ -270,6 +271,10 @@ impl FloatNode for MappedFloat {
         self.mapping.is_filtered && self.mapping.warp.is_some()
     }
 
+    fn is_on_second_set(&self) -> bool {
+        self.mapping.projection == Projection::Uv(UvSet::Second)
+    }
+
     fn wants_object_space(&self) -> bool {
         self.mapping.space == TextureSpace::Object
     }
@@ -285,6 +290,15 @@ impl FloatNode for MappedFloat {
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32 {
         let mut sum = 0.0;
         self.mapping.each(at, |at, share| sum += share * self.texture.at(textures.evaluator(at)));
+        sum
+    }
+
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        let mut sum = FilteredNumber::default();
+        self.mapping.each(at, |at, share| {
+            let number = self.texture.filtered(textures.evaluator(at));
+            sum = sum.plus(number.mapped(share * number.mean, share));
+        });
         sum
     }
 
@@ -340,6 +354,10 @@ impl ColorNode for MappedColor {
         self.mapping.is_filtered && self.mapping.warp.is_some()
     }
 
+    fn is_on_second_set(&self) -> bool {
+        self.mapping.projection == Projection::Uv(UvSet::Second)
+    }
+
     fn wants_object_space(&self) -> bool {
         self.mapping.space == TextureSpace::Object
     }
@@ -358,6 +376,10 @@ impl ColorNode for MappedColor {
             sum += self.texture.at(textures.evaluator(at), wavelengths) * share;
         });
         sum
+    }
+
+    fn color_is_filtered(&self, textures: &Textures) -> bool {
+        self.texture.is_filtered(textures)
     }
 
     fn color_mean(&self, textures: &Textures) -> [f32; 3] {

@@ -9,8 +9,11 @@ mod checker;
 mod combination;
 mod context;
 mod coordinates;
+mod curve;
 mod expression;
+mod filtered;
 mod footprint;
+mod integral;
 mod knots;
 mod mapping;
 mod marble;
@@ -34,7 +37,9 @@ pub use checker::Checker;
 pub use combination::{ColorCombination, ColorOperation, FloatCombination, FloatOperation};
 pub use context::TextureContext;
 pub use coordinates::UvSet;
+pub use curve::{Curve, CurveNumbers};
 pub use expression::Expression;
+pub use filtered::FilteredNumber;
 pub use footprint::TextureFootprint;
 pub use knots::{Interpolation, Knots};
 pub use mapping::{MappedColor, MappedFloat, Mapping, Projection, TextureSpace};
@@ -50,7 +55,7 @@ pub use picture::{
     TiledCopies, TiledError, Tiling, TilingRule, Wrap,
 };
 pub use placed::Placed;
-pub use ramp::{Colors, Curve, Cycle, Grey, Lightness, Ramp};
+pub use ramp::{Colors, Cycle, Grey, Lightness, Ramp};
 pub(crate) use rgb::rgb_reflectance;
 pub use slope::TextureSlope;
 pub use surface_share::SurfaceShare;
@@ -89,11 +94,26 @@ pub trait FloatNode {
         false
     }
 
+    /// Whether it lies on the second set of surface coordinates, parts left out.
+    fn is_on_second_set(&self) -> bool {
+        false
+    }
+
     /// Makes what it shares with others that show the same picture.
     fn prepare(&self) {}
 
     /// The number at a point.
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32;
+
+    /// Whether it is, or is made of, something that is filtered by [`TextureContext::footprint`].
+    fn is_filtered(&self, textures: &Textures) -> bool {
+        self.part().is_some_and(|part| part.is_filtered(textures))
+    }
+
+    /// The number at a point, with what is known of how it varies within the footprint; nothing unless it says otherwise.
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        FilteredNumber::point(self.value(textures, at))
+    }
 
     /// The number where it is an opacity, which the opacity at the corners of a mesh is another factor of.
     fn covered(&self, textures: &Textures, at: &TextureContext) -> f32 {
@@ -160,6 +180,8 @@ family! {
         fn wants_footprint() -> bool;
         /// See [`FloatNode::wants_object_space`].
         fn wants_object_space() -> bool;
+        /// See [`FloatNode::is_on_second_set`].
+        fn is_on_second_set() -> bool;
         /// See [`FloatNode::prepare`].
         fn prepare() -> ();
     }
@@ -173,6 +195,10 @@ family! {
         fn detail(found: &mut TextureDetail);
         /// See [`FloatNode::value`].
         fn value(at: &TextureContext) -> f32;
+        /// See [`FloatNode::is_filtered`].
+        fn is_filtered() -> bool;
+        /// See [`FloatNode::filtered`].
+        fn filtered(at: &TextureContext) -> FilteredNumber;
         /// See [`FloatNode::covered`].
         fn covered(at: &TextureContext) -> f32;
         /// See [`FloatNode::slope`].
@@ -200,11 +226,21 @@ pub trait ColorNode {
         false
     }
 
+    /// Whether it lies on the second set of surface coordinates, parts left out.
+    fn is_on_second_set(&self) -> bool {
+        false
+    }
+
     /// Makes what it shares with others that show the same picture.
     fn prepare(&self) {}
 
     /// The reflectance at a point.
     fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
+
+    /// Whether it is, or is made of, something that is filtered by [`TextureContext::footprint`].
+    fn color_is_filtered(&self, _textures: &Textures) -> bool {
+        false
+    }
 
     /// Whether the colour depends on surface coordinates.
     fn color_needs_uv(&self, textures: &Textures) -> bool;
@@ -251,6 +287,8 @@ family! {
         fn wants_footprint() -> bool;
         /// See [`ColorNode::wants_object_space`].
         fn wants_object_space() -> bool;
+        /// See [`ColorNode::is_on_second_set`].
+        fn is_on_second_set() -> bool;
         /// See [`ColorNode::prepare`].
         fn prepare() -> ();
     }
@@ -261,6 +299,8 @@ family! {
     methods of Textures.colors {
         /// See [`ColorNode::color_mean`].
         fn color_mean() -> [f32; 3];
+        /// See [`ColorNode::color_is_filtered`].
+        fn color_is_filtered() -> bool;
         /// See [`ColorNode::color_needs_uv`].
         fn color_needs_uv() -> bool;
         /// See [`ColorNode::color_detail`].
@@ -281,6 +321,7 @@ pub struct Textures {
     pub colors: ColorNodes,
     wants_footprint: bool,
     wants_object_space: bool,
+    has_second_set: bool,
 }
 
 impl Textures {
@@ -289,6 +330,7 @@ impl Textures {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
         self.wants_object_space |= node.wants_object_space();
+        self.has_second_set |= node.is_on_second_set();
         node.prepare();
         node.store(&mut self.floats).map(FloatTexture::Node)
     }
@@ -298,6 +340,7 @@ impl Textures {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
         self.wants_object_space |= node.wants_object_space();
+        self.has_second_set |= node.is_on_second_set();
         node.prepare();
         node.store(&mut self.colors).map(ColorTexture::Node)
     }
@@ -305,6 +348,11 @@ impl Textures {
     /// Whether what any node answers depends on [`TextureContext::footprint`].
     pub fn wants_footprint(&self) -> bool {
         self.wants_footprint
+    }
+
+    /// Whether what any node answers depends on [`TextureFootprint::second_uv`].
+    pub fn wants_second_footprint(&self) -> bool {
+        self.wants_footprint && self.has_second_set
     }
 
     /// Whether what any node answers depends on [`TextureContext::object_from_world`].
@@ -411,6 +459,8 @@ mod tests {
             ] {
                 assert!((slope(texture) - expected).abs() < 5e-3, "{texture:?} at {p}: {expected}");
             }
+            let nowhere = TextureContext { p: Vec3::NAN, ..at };
+            assert_eq!(bands.slope(textures.evaluator(&nowhere), 0.0), TextureSlope::default(), "not asked");
             let [number, left] = [narrow, rest].map(|texture| texture.at(evaluator));
             assert_eq!((left, wide.at(evaluator)), (1.0 - number, 1.0 + 4.0 * left));
         }

@@ -1,6 +1,6 @@
 //! Numbers that are worked out from others.
 
-use super::{FloatNode, FloatTexture, TextureContext, TextureSlope, Textures};
+use super::{FilteredNumber, FloatNode, FloatTexture, TextureContext, TextureSlope, Textures};
 
 /// What is left of 1: `1 - t`.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,11 @@ impl FloatNode for Complement {
 
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32 {
         1.0 - self.0.at(textures.evaluator(at))
+    }
+
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        let number = self.0.filtered(textures.evaluator(at));
+        number.mapped(1.0 - number.mean, -1.0)
     }
 
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {
@@ -55,6 +60,11 @@ impl FloatNode for Remapped {
 
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32 {
         self.map(self.texture.at(textures.evaluator(at)))
+    }
+
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        let number = self.texture.filtered(textures.evaluator(at));
+        number.mapped(self.map(number.mean), self.range[1] - self.range[0])
     }
 
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {

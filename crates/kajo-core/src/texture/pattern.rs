@@ -3,7 +3,7 @@
 use kajo_math::Vec3;
 use kajo_math::pattern::{Pattern, SolidPattern};
 
-use super::{FloatNode, TextureContext, TextureSlope, Textures};
+use super::{FilteredNumber, FloatNode, TextureContext, TextureSlope, Textures};
 
 /// A pattern.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +31,18 @@ impl FloatNode for PatternNode {
 
     fn value(&self, _textures: &Textures, at: &TextureContext) -> f32 {
         self.at(at.p, at)
+    }
+
+    fn is_filtered(&self, _textures: &Textures) -> bool {
+        self.is_filtered
+    }
+
+    fn filtered(&self, _textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        let value = |at: &TextureContext| self.at(at.p, at);
+        if !self.is_filtered {
+            return FilteredNumber::point(value(at));
+        }
+        FilteredNumber::by_differences(at, self.solid.lost(at.p, at.footprint.width()), value)
     }
 
     /// By differences over a small part of its unit.

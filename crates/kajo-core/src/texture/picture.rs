@@ -256,6 +256,10 @@ impl ColorNode for PictureMap {
         self.filter.wants_footprint()
     }
 
+    fn is_on_second_set(&self) -> bool {
+        self.set == UvSet::Second
+    }
+
     fn prepare(&self) {
         self.picture.prepare(self.filter);
     }
@@ -263,6 +267,10 @@ impl ColorNode for PictureMap {
     fn reflectance(&self, _textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
         let [r, g, b, _] = self.filtered(at);
         rgb_reflectance([r, g, b], wavelengths)
+    }
+
+    fn color_is_filtered(&self, _textures: &Textures) -> bool {
+        ColorNode::wants_footprint(self)
     }
 
     fn color_needs_uv(&self, _textures: &Textures) -> bool {

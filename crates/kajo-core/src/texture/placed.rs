@@ -2,7 +2,9 @@
 
 use kajo_math::{Affine3A, Vec3, Vec3A};
 
-use super::{FloatNode, FloatTexture, TextureContext, TextureFootprint, TextureSlope, Textures};
+use super::{
+    FilteredNumber, FloatNode, FloatTexture, TextureContext, TextureFootprint, TextureSlope, Textures,
+};
 
 /// Another texture, evaluated at `texture_from_world * p`.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +36,10 @@ impl FloatNode for Placed {
 
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32 {
         self.texture.at(textures.evaluator(&self.own(at)))
+    }
+
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        self.texture.filtered(textures.evaluator(&self.own(at)))
     }
 
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {

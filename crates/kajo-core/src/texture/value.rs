@@ -4,7 +4,8 @@ use kajo_color::{Reflectance, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
 use super::{
-    ColorNodeId, FilteredNormals, FloatNodeId, TextureContext, TextureDetail, TextureSlope, Textures,
+    ColorNodeId, FilteredNormals, FilteredNumber, FloatNodeId, TextureContext, TextureDetail, TextureSlope,
+    Textures,
 };
 
 /// What textures are evaluated by: their nodes, at a point.
@@ -47,6 +48,25 @@ impl FloatTexture {
         }
     }
 
+    /// The number at a point, with what is known of how it varies within the footprint.
+    pub fn filtered(self, evaluator: TextureEvaluator<'_>) -> FilteredNumber {
+        match self {
+            FloatTexture::Constant(value) => FilteredNumber::point(value),
+            FloatTexture::Node(node) if evaluator.at.footprint.is_point() => {
+                FilteredNumber::point(evaluator.textures.value(node, evaluator.at))
+            }
+            FloatTexture::Node(node) => evaluator.textures.filtered(node, evaluator.at),
+        }
+    }
+
+    /// Whether it is, or is made of, something that is filtered by the footprint.
+    pub fn is_filtered(self, textures: &Textures) -> bool {
+        match self {
+            FloatTexture::Constant(_) => false,
+            FloatTexture::Node(node) => textures.is_filtered(node),
+        }
+    }
+
     /// The number where it is an opacity, which the opacity at the corners of a mesh is another factor of.
     #[inline]
     pub fn covered_at(self, evaluator: TextureEvaluator<'_>) -> f32 {
@@ -56,11 +76,11 @@ impl FloatTexture {
         }
     }
 
-    /// The derivatives of `factor` times it at a point.
+    /// The derivatives of `factor` times it at a point; nothing is evaluated for a factor of 0.
     pub fn slope(self, evaluator: TextureEvaluator<'_>, factor: f32) -> TextureSlope {
         match self {
-            FloatTexture::Constant(_) => TextureSlope::default(),
-            FloatTexture::Node(node) => evaluator.textures.slope(node, evaluator.at, factor),
+            FloatTexture::Node(node) if factor != 0.0 => evaluator.textures.slope(node, evaluator.at, factor),
+            FloatTexture::Node(_) | FloatTexture::Constant(_) => TextureSlope::default(),
         }
     }
 
@@ -162,6 +182,14 @@ impl ColorTexture {
     /// Whether it is not constant.
     pub fn varies(&self) -> bool {
         matches!(self, ColorTexture::Node(_))
+    }
+
+    /// Whether it is, or is made of, something that is filtered by the footprint.
+    pub fn is_filtered(&self, textures: &Textures) -> bool {
+        match self {
+            ColorTexture::Constant(_) => false,
+            ColorTexture::Node(node) => textures.color_is_filtered(*node),
+        }
     }
 
     /// Whether it depends on surface coordinates.

@@ -2,7 +2,9 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 
-use super::{ColorNode, FloatNode, FloatTexture, TextureContext, TextureDetail, TextureSlope, Textures};
+use super::{
+    ColorNode, FilteredNumber, FloatNode, FloatTexture, TextureContext, TextureDetail, TextureSlope, Textures,
+};
 
 /// The colours, white where there are none.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +45,10 @@ impl FloatNode for VertexOpacity {
 
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32 {
         self.0.covered_at(textures.evaluator(at))
+    }
+
+    fn filtered(&self, textures: &Textures, at: &TextureContext) -> FilteredNumber {
+        self.0.filtered(textures.evaluator(at)).mapped(self.value(textures, at), at.cover())
     }
 
     /// Of the opacity alone: the colours of a mesh have no derivatives here.

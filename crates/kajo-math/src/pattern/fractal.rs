@@ -13,7 +13,7 @@
 //! reach the ends of their range. An octave too fine for the samples is replaced by the mean of what it adds: 0 for `n`, but not for `|n|`.
 
 use super::gradient_noise::{MEAN_ABS, SHIFT, SIGMA};
-use super::{Pattern, lerp, noise, passed};
+use super::{Pattern, faded_share, lerp, noise, passed};
 use crate::Vec3;
 
 /// Octaves of noise.
@@ -70,6 +70,13 @@ impl Octaves {
             amplitude *= gain;
             octave
         })
+    }
+
+    /// The share of the variance of the octaves, which know nothing of each other, that is faded.
+    fn faded(&self, width: f32) -> f32 {
+        let frequency = |i: u32| self.lacunarity.powi(i as i32);
+        let part = |i: u32| (self.gain.powi(i as i32), passed(width, frequency(i)));
+        faded_share((0..self.count.min(MOST)).map(part))
     }
 
     /// The sum of the octaves by the standard deviation that it has with all of them.
@@ -129,6 +136,10 @@ impl Pattern for Clouds {
         0.5 + self.0.normalised(q, width) / 6.0
     }
 
+    fn lost(&self, _q: Vec3, width: f32, variance: f32) -> f32 {
+        variance * self.0.faded(width)
+    }
+
     fn frequency(&self, _q: Vec3) -> f32 {
         1.0
     }
@@ -143,6 +154,10 @@ impl Pattern for Turbulence {
         2.0 * self.0.absolute(q, width)
     }
 
+    fn lost(&self, _q: Vec3, width: f32, variance: f32) -> f32 {
+        variance * self.0.faded(width)
+    }
+
     fn frequency(&self, _q: Vec3) -> f32 {
         1.0
     }
@@ -155,6 +170,10 @@ impl Pattern for Wrinkles {
 
     fn at(&self, q: Vec3, width: f32) -> f32 {
         self.0.normalised(q, width).abs() / 3.0
+    }
+
+    fn lost(&self, _q: Vec3, width: f32, variance: f32) -> f32 {
+        variance * self.0.faded(width)
     }
 
     fn frequency(&self, _q: Vec3) -> f32 {
@@ -181,8 +200,18 @@ impl Pattern for Ridged {
         sum / sizes
     }
 
+    fn lost(&self, _q: Vec3, width: f32, variance: f32) -> f32 {
+        variance * self.0.faded(width)
+    }
+
     fn frequency(&self, _q: Vec3) -> f32 {
         1.0
+    }
+}
+
+impl Granite {
+    fn octaves(self) -> Octaves {
+        Octaves { count: 6, gain: 0.5, lacunarity: 2.0, seed: self.seed }
     }
 }
 
@@ -192,8 +221,11 @@ impl Pattern for Granite {
     }
 
     fn at(&self, q: Vec3, width: f32) -> f32 {
-        let octaves = Octaves { count: 6, gain: 0.5, lacunarity: 2.0, seed: self.seed };
-        2.0 * octaves.absolute(4.0 * q, 4.0 * width)
+        2.0 * self.octaves().absolute(4.0 * q, 4.0 * width)
+    }
+
+    fn lost(&self, _q: Vec3, width: f32, variance: f32) -> f32 {
+        variance * self.octaves().faded(4.0 * width)
     }
 
     fn frequency(&self, _q: Vec3) -> f32 {

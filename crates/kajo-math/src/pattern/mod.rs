@@ -7,7 +7,8 @@
 //! A feature that is repeated `f` times per unit cannot be told from noise where samples lie farther apart than `1 / (2 f)`. A pattern
 //! is therefore told the distance `w` between samples, and fades what it repeats from `w f = 1/4` on, until at `w f = 1/2` its mean is
 //! left ([`passed`]) [Norton, Rockwood and Skolmoski 1982; Ebert et al. 2003, chapter 2]. Sums of octaves do so octave by octave. With
-//! `w = 0` a pattern is what its equation says.
+//! `w = 0` a pattern is what its equation says. How much it varies between samples beyond what is left of it, is known about
+//! ([`SolidPattern::lost`]): by it functions of the pattern can be averaged.
 //!
 //! A new pattern is a type with a [`Pattern`] and a line in the list of [`AnyPattern`].
 
@@ -52,6 +53,13 @@ pub trait Pattern {
     /// * `q`: finite, no coordinate larger than 2^20
     /// * `width`: distance between samples, for what a pattern can fade part by part; not negative
     fn at(&self, q: Vec3, width: f32) -> f32;
+
+    /// The variance of what [`Pattern::at`] fades part by part, about: 0 for a pattern that is not faded so, and where it is not known.
+    ///
+    /// * `variance`: of the pattern over all places
+    fn lost(&self, _q: Vec3, _width: f32, _variance: f32) -> f32 {
+        0.0
+    }
 
     /// How often per unit its widest feature is repeated around a point: where samples are too far apart for that, the mean is left.
     fn frequency(&self, q: Vec3) -> f32;
@@ -130,6 +138,12 @@ macro_rules! patterns {
                 }
             }
 
+            fn lost(&self, q: Vec3, width: f32, variance: f32) -> f32 {
+                match self {
+                    $(AnyPattern::$Member(pattern) => pattern.lost(q, width, variance),)+
+                }
+            }
+
             fn frequency(&self, q: Vec3) -> f32 {
                 match self {
                     $(AnyPattern::$Member(pattern) => pattern.frequency(q),)+
@@ -164,20 +178,24 @@ patterns! {
     Wrinkles,
 }
 
-/// A pattern with its mean.
+/// A pattern with its mean and variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidPattern {
     pattern: AnyPattern,
     mean: f32,
+    variance: f32,
 }
 
 impl SolidPattern {
-    /// The pattern with its mean over a cube around the origin.
+    /// The pattern with its mean and variance over a cube around the origin.
     pub fn new(pattern: impl Into<AnyPattern>) -> SolidPattern {
         let pattern = pattern.into();
         let value = |i| f64::from(held(pattern.at(32.0 * scattered(i), 0.0)));
-        let mean = (0..POINTS).map(value).sum::<f64>() / f64::from(POINTS);
-        SolidPattern { pattern, mean: held(mean as f32) }
+        let add = |(sum, squares): (f64, f64), v: f64| (sum + v, squares + v * v);
+        let (sum, squares) = (0..POINTS).map(value).fold((0.0, 0.0), add);
+        let mean = sum / f64::from(POINTS);
+        let variance = squares / f64::from(POINTS) - mean * mean;
+        SolidPattern { pattern, mean: held(mean as f32), variance: held(variance as f32) }
     }
 
     /// The pattern itself.
@@ -204,6 +222,32 @@ impl SolidPattern {
         let share = passed(width, self.pattern.frequency(q));
         if share == 0.0 { self.mean } else { lerp(share, self.mean, held(self.pattern.at(q, width))) }
     }
+
+    /// The variance, about, of what [`SolidPattern::at`] has faded around a point: at least 0, at most that over all places.
+    ///
+    /// What is left of a pattern of variance `V` where a share `s` of it passes has `s^2 V`.
+    ///
+    /// * `width`: as there
+    pub fn lost(&self, q: Vec3, width: f32) -> f32 {
+        if width == 0.0 {
+            return 0.0;
+        }
+        let passed = passed(width, self.pattern.frequency(q)).powi(2);
+        let parts = if passed > 0.0 { self.pattern.lost(q, width, self.variance) } else { 0.0 };
+        held((1.0 - passed) * self.variance + passed * parts).min(0.25)
+    }
+}
+
+/// The sum of the squares of what is not `passed` of parts that know nothing of each other, by that of all of them.
+///
+/// * `parts`: their sizes, and how much of each passes
+fn faded_share(parts: impl Iterator<Item = (f32, f32)>) -> f32 {
+    let add = |(lost, all): (f32, f32), (size, passed): (f32, f32)| {
+        let square = size * size;
+        (lost + square * (1.0 - passed * passed), all + square)
+    };
+    let (lost, all) = parts.fold((0.0, 0.0), add);
+    if all > 0.0 { lost / all } else { 0.0 }
 }
 
 /// A number held to [0, 1]; 0 for what is none.

@@ -6,7 +6,7 @@
 //!
 //! The places `c_i` are drawn on a sphere of five units around the origin, the factors `f_i` from 1 to 4. A phase that grows lets them run.
 
-use super::{Pattern, fract, hash, passed};
+use super::{Pattern, faded_share, fract, hash, passed};
 use crate::{Vec3, fmath};
 
 /// How many places there are.
@@ -79,6 +79,14 @@ impl Pattern for Ripples {
     }
 }
 
+impl Waves {
+    /// What is drawn for a source, and the frequency of its waves by that of the slowest.
+    fn source(&self, i: u32) -> (u32, f32) {
+        let h = hash::with(self.seed, i as i32);
+        (h, 1.0 + 3.0 * hash::uniform(h, 2))
+    }
+}
+
 impl Pattern for Waves {
     fn is_finite(&self) -> bool {
         self.frequency.is_finite() && self.phase.is_finite()
@@ -87,14 +95,21 @@ impl Pattern for Waves {
     fn at(&self, q: Vec3, width: f32) -> f32 {
         let (mut sum, mut sizes) = (0.0, 0.0);
         for i in 0..SOURCES {
-            let h = hash::with(self.seed, i as i32);
-            let factor = 1.0 + 3.0 * hash::uniform(h, 2);
+            let (h, factor) = self.source(i);
             let frequency = factor * self.frequency;
             let wave = sine(frequency * q.distance(source(h)) + self.phase);
             sum += passed(width, frequency.abs()) * wave / factor;
             sizes += 1.0 / factor;
         }
         0.5 + 0.5 * sum / sizes
+    }
+
+    fn lost(&self, _q: Vec3, width: f32, variance: f32) -> f32 {
+        let part = |i| {
+            let (_, factor) = self.source(i);
+            (1.0 / factor, passed(width, (factor * self.frequency).abs()))
+        };
+        variance * faded_share((0..SOURCES).map(part))
     }
 
     fn frequency(&self, _q: Vec3) -> f32 {

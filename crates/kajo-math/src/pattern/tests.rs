@@ -66,6 +66,59 @@ fn means_are_means_and_wide_samples_see_them() {
     }
 }
 
+#[test]
+fn wide_samples_have_lost_all_variance() {
+    for pattern in all() {
+        let n = 30_000u32;
+        let squares = (0..n).map(|i| {
+            let off = f64::from(pattern.at(32.0 * spread(i + 77_777), 0.0) - pattern.mean());
+            off * off
+        });
+        let variance = (squares.sum::<f64>() / f64::from(n)) as f32;
+        for i in 0..50 {
+            let q = 20.0 * spread(i) + Vec3::new(60.0, 0.0, 0.0);
+            let widest = 1.0 / pattern.pattern().frequency(q);
+            if widest.is_finite() {
+                let lost = pattern.lost(q, widest);
+                assert!(
+                    (lost / variance - 1.0).abs() < 0.06,
+                    "{}: {lost} {variance}",
+                    pattern.pattern().name()
+                );
+            }
+            assert_eq!(pattern.lost(q, 0.0), 0.0);
+        }
+    }
+}
+
+/// What is left varies by so much less over all places as each of them has lost.
+#[test]
+fn variances_add_up() {
+    let patterns = [
+        (AnyPattern::from(Clouds::default()), 0.1),
+        (Turbulence::default().into(), 0.1),
+        (Granite::default().into(), 0.03),
+        (Waves::default().into(), 0.15),
+        (Brick::default().into(), 0.05),
+        (Checks.into(), 0.3),
+    ];
+    for (pattern, width) in patterns {
+        let pattern = SolidPattern::new(pattern);
+        let n = 30_000u32;
+        let place = |i| 200.0 * spread(i);
+        let variance = |width: f32| {
+            let values = (0..n).map(|i| f64::from(pattern.at(place(i), width)));
+            let (sum, squares) = values.fold((0.0, 0.0), |(s, q), v| (s + v, q + v * v));
+            squares / f64::from(n) - (sum / f64::from(n)).powi(2)
+        };
+        let lost = (0..n).map(|i| f64::from(pattern.lost(place(i), width))).sum::<f64>() / f64::from(n);
+        let (all, left) = (variance(0.0), variance(width));
+        let name = pattern.pattern().name();
+        assert!(lost > 0.02 * all, "{name}: {lost} of {all}");
+        assert!((left + lost - all).abs() < 0.06 * all, "{name}: {left} + {lost} is not {all}");
+    }
+}
+
 /// Averages over as many points as lie between samples: where what is between is faded, that is what is left.
 #[test]
 fn a_band_limit_brings_a_pattern_nearer_to_its_average() {

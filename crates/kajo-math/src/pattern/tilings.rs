@@ -19,6 +19,11 @@ fn covered(inside: f32, width: f32) -> f32 {
     }
 }
 
+/// The variance of what is `tone` within a tile and 0 in its joint, over samples of which so many see the tile.
+fn edge_variance(covered: f32, tone: f32) -> f32 {
+    covered * (1.0 - covered) * tone * tone
+}
+
 /// Bricks of length 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brick {
@@ -46,6 +51,23 @@ impl Pattern for Brick {
     }
 
     fn at(&self, q: Vec3, width: f32) -> f32 {
+        let (covered, tone) = self.covered(q, width);
+        covered * tone
+    }
+
+    fn lost(&self, q: Vec3, width: f32, _variance: f32) -> f32 {
+        let (covered, tone) = self.covered(q, width);
+        edge_variance(covered, tone)
+    }
+
+    fn frequency(&self, _q: Vec3) -> f32 {
+        1.0 / self.height.clamp(1e-6, 1.0)
+    }
+}
+
+impl Brick {
+    /// What is left of the brick around a point beside its joint, and how light it is.
+    fn covered(&self, q: Vec3, width: f32) -> (f32, f32) {
         let course = (q.y / self.height).floor();
         let x = q.x + self.shift * course;
         let column = x.floor();
@@ -53,11 +75,7 @@ impl Pattern for Brick {
         let y = q.y - course * self.height;
         let up = y.min(self.height - y);
         let own = hash::uniform(hash::cell([column as i32, course as i32, 0], self.seed), 0);
-        covered(across.min(up) - 0.5 * self.mortar, width) * (1.0 - self.variation * own)
-    }
-
-    fn frequency(&self, _q: Vec3) -> f32 {
-        1.0 / self.height.clamp(1e-6, 1.0)
+        (covered(across.min(up) - 0.5 * self.mortar, width), 1.0 - self.variation * own)
     }
 }
 
@@ -104,13 +122,26 @@ impl Pattern for Hexagons {
     }
 
     fn at(&self, q: Vec3, width: f32) -> f32 {
-        let ([column, row], inside) = Hexagons::tile(q.x, q.y);
-        let own = hash::uniform(hash::cell([column, row, 0], self.seed), 0);
-        covered(inside - 0.5 * self.mortar, width) * (1.0 - self.variation * own)
+        let (covered, tone) = self.covered(q, width);
+        covered * tone
+    }
+
+    fn lost(&self, q: Vec3, width: f32, _variance: f32) -> f32 {
+        let (covered, tone) = self.covered(q, width);
+        edge_variance(covered, tone)
     }
 
     fn frequency(&self, _q: Vec3) -> f32 {
         1.0
+    }
+}
+
+impl Hexagons {
+    /// What is left of the tile around a point beside its joint, and how light it is.
+    fn covered(&self, q: Vec3, width: f32) -> (f32, f32) {
+        let ([column, row], inside) = Hexagons::tile(q.x, q.y);
+        let own = hash::uniform(hash::cell([column, row, 0], self.seed), 0);
+        (covered(inside - 0.5 * self.mortar, width), 1.0 - self.variation * own)
     }
 }
 
@@ -155,6 +186,10 @@ impl Pattern for Checks {
             2.0 * covered(d, width) - 1.0
         };
         0.5 - 0.5 * signed(q.x) * signed(q.y) * signed(q.z)
+    }
+
+    fn lost(&self, q: Vec3, width: f32, _variance: f32) -> f32 {
+        edge_variance(self.at(q, width), 1.0)
     }
 
     fn frequency(&self, _q: Vec3) -> f32 {

@@ -167,10 +167,13 @@ fn horizon(filter: &str) -> Scene {
 
 /// The picture of [`horizon`] by samples of a pixel on a grid of `n x n`.
 fn picture(filter: &str, n: u32) -> Vec<f32> {
+    picture_of(&horizon(filter), n)
+}
+
+fn picture_of(scene: &Scene, n: u32) -> Vec<f32> {
     const SIZE: [u32; 2] = [36, 24];
-    let scene = horizon(filter);
     let settings = PathSettings { bounces: 0, ..PathSettings::default() };
-    let path = Path::new(&scene, settings, SIZE, LayerSet::of(&[]));
+    let path = Path::new(scene, settings, SIZE, LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let mut ctx = SampleContext::new(&sampler, 3);
     let mut pixel = |x: u32, y: u32| {
@@ -207,4 +210,47 @@ fn ellipses_show_a_plane_to_the_horizon() {
     let [ewa, trilinear, feline, sat, bilinear] = errors;
     assert!(ewa <= 0.25 * trilinear, "{errors:?}");
     assert!(feline < trilinear && sat < bilinear && trilinear < bilinear, "{errors:?}");
+}
+
+/// The plane of [`horizon`] in the colours that a texture `t` gives to a pattern `p`.
+fn patterned(texture: &str, pattern: &str, filter: &str) -> Scene {
+    const E: f64 = std::f64::consts::PI;
+    let text = format!(
+        "PerspectiveCamera {{ center 0.13 1 0.4  direction 0.17 -0.25 -1  up 0 1 0  angle 40 }} Background {{ color 0 0 0 }}
+         Lights {{ DirectionalLight {{ direction 0 -1 0 irradiance {E} {E} {E} }} }}
+         Textures {{ {texture} {pattern} filter {filter} }} }} Materials {{ Matte m {{ color t }} }}
+         Group {{ MaterialIndex m Plane {{ normal 0 1 0  offset 0 }} }}"
+    );
+    scene_with(&text, &MemoryAssets::new())
+}
+
+/// Against 1,024 samples a pixel of one: ramps and thresholds average over what their pattern is within a footprint.
+#[test]
+fn sharp_stops_are_filtered() {
+    let sharp = "Ramp t { texture p  interpolation step  stop 0 0.1 0.1 0.1  stop 0.6 0.9 0.9 0.9 }";
+    let narrow = "Ramp t { texture p  stop 0.5 0 0 0  stop 0.52 1 1 1 }";
+    let often = "Ramp t { texture p  frequency 3  interpolation oklab  stop 0 0 0 0  stop 1 1 1 1 }";
+    let threshold = "Threshold t { texture p  edge 0.45 }";
+    let gradient = "Gradient p { size 0.7  wave sine  Transform { YRotate 80 }";
+    let clouds = "Clouds p { size 0.5";
+    let mut errors = Vec::new();
+    // What a pattern fades by the longer side of a footprint is lost along the shorter side as well: there less is gained.
+    for (texture, pattern, gain) in [
+        (sharp, gradient, 4.0),
+        (narrow, gradient, 4.0),
+        (often, gradient, 2.0),
+        (threshold, gradient, 4.0),
+        (sharp, clouds, 1.6),
+        (often, clouds, 4.0),
+        (threshold, clouds, 1.6),
+        (threshold, "Checks p { size 0.3", 1.6),
+    ] {
+        let reference = picture_of(&patterned(texture, pattern, "off"), 32);
+        let [filtered, point] = ["on", "off"].map(|filter| {
+            let found = picture_of(&patterned(texture, pattern, filter), 1);
+            reference.iter().zip(found).map(|(a, b)| (a - b) * (a - b)).sum::<f32>()
+        });
+        errors.push((texture, pattern, point / filtered, gain));
+    }
+    assert!(errors.iter().all(|(_, _, found, gain)| found >= gain), "{errors:?}");
 }

@@ -19,6 +19,7 @@ mod rooms;
 mod solids;
 mod surfaces;
 mod tables;
+mod textures;
 mod weak_lenses;
 
 use kajo_math::DVec3;
@@ -126,7 +127,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 18] = [
+    let makers: [(&str, Maker); 19] = [
         ("rooms", rooms::forms),
         ("lights", lights::forms),
         ("bodies", bodies::forms),
@@ -145,6 +146,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("solids", solids::forms),
         ("relativity", relativity::forms),
         ("weak lenses", weak_lenses::forms),
+        ("textures", textures::forms),
     ];
     makers.into_iter().flat_map(|(name, make)| make(&mut Parameters::new(seed, name))).collect()
 }

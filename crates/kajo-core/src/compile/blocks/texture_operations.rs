@@ -15,8 +15,8 @@ use crate::compile::operands::OPERAND;
 use crate::compile::transform;
 use crate::schema::{Block, FieldKind, FieldSpec, Kind, NumberRange};
 use crate::texture::{
-    ColorCombination, ColorOperation, Colors, Curve, Cycle, FloatCombination, FloatOperation, FloatTexture,
-    Interpolation, Knots, Ramp,
+    ColorCombination, ColorOperation, Colors, Curve, CurveNumbers, Cycle, FloatCombination, FloatOperation,
+    FloatTexture, Interpolation, Knots, Ramp,
 };
 
 /// The one texture that something is made of.
@@ -151,8 +151,9 @@ pub const CURVE: TextureMember = Member {
         let stops = stops(params, &items, |args| {
             Ok((args.number()?, [args.number_in(NUMBER_STOP.kind.range(1).bounds())?]))
         });
-        let knots = Arc::new(Knots::new(stops?, keys?.interpolation)?);
-        sources.textures.nodes.float(Curve { texture: texture?, knots }).map(NamedTexture::Float)
+        let knots = Knots::new(stops?, keys?.interpolation)?;
+        let curve = Arc::new(CurveNumbers::new(knots));
+        sources.textures.nodes.float(Curve { texture: texture?, curve }).map(NamedTexture::Float)
     },
 };
 
@@ -162,8 +163,9 @@ pub const THRESHOLD: TextureMember = Member {
         let texture = number_operand(params, sources);
         let ThresholdKeys { edge, softness } = ThresholdKeys::read(params, sources)?;
         let (below, above) = (edge - 0.5 * softness, edge + 0.5 * softness);
-        let knots = Arc::new(Knots::new(vec![(below, [0.0]), (above, [1.0])], Interpolation::Smooth)?);
-        sources.textures.nodes.float(Curve { texture: texture?, knots }).map(NamedTexture::Float)
+        let knots = Knots::new(vec![(below, [0.0]), (above, [1.0])], Interpolation::Smooth)?;
+        let curve = Arc::new(CurveNumbers::new(knots));
+        sources.textures.nodes.float(Curve { texture: texture?, curve }).map(NamedTexture::Float)
     },
 };
 

@@ -496,6 +496,12 @@ impl Surface for Csg {
         leaf.in_place(0.0, own, |own, transform| own.transformed(transform))
     }
 
+    fn second_tangents_at(&self, hit: &Hit, p: Vec3) -> Option<Tangents> {
+        let own = self.at_leaf(hit, p, |shapes, shape, hit, p| shapes.second_tangents_at(shape, hit, p))?;
+        let (_, leaf, _) = self.leaf_of(hit.part);
+        Some(leaf.in_place(0.0, own, |own, transform| own.transformed(transform)))
+    }
+
     fn part_motion(&self, part: u32) -> Option<&MovingTransform> {
         match &self.leaf_of(part).1.transform {
             Some(LeafTransform::Moving(motion)) => Some(motion),

@@ -243,7 +243,7 @@ impl PictureMap {
 
     /// The footprint in texels.
     pub(super) fn axes(&self, at: &TextureContext) -> [Vec2; 2] {
-        at.footprint.uv.map(|duv| {
+        at.footprint.on(self.set).map(|duv| {
             let ds = duv * self.repeat + self.cross * Vec2::new(duv.y, duv.x);
             Vec2::new(ds.x, -ds.y) * self.extent()
         })

@@ -13,7 +13,8 @@ use crate::integrator::transport::{Caster, Link};
 const MOST: usize = 256;
 
 /// A footprint as large as a picture.
-const FROM_FAR: TextureFootprint = TextureFootprint { p: [Vec3::X, Vec3::Y], uv: [Vec2::X, Vec2::Y] };
+const FROM_FAR: TextureFootprint =
+    TextureFootprint { p: [Vec3::X, Vec3::Y], uv: [Vec2::X, Vec2::Y], second_uv: [Vec2::X, Vec2::Y] };
 
 /// The probability with which the caster is chosen that stands before a light.
 const BEFORE: f32 = 0.75;
