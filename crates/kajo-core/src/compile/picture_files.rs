@@ -8,9 +8,7 @@ use kajo_image::{DecodeLimits, Decoded, Format, ImageError};
 use kajo_scene::{AssetFile, Assets, MemoryBudget, OverBudget, Reopen, read_limited};
 
 use super::CompileOptions;
-use crate::texture::{
-    Encoding, Picture, PictureMap, TexelFilter, TiledCopies, TilingRule, content_stamp,
-};
+use crate::texture::{Encoding, Picture, PictureMap, TexelFilter, TiledCopies, TilingRule, content_stamp};
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
 #[derive(Default)]
