@@ -2,7 +2,7 @@
 """A room with pictures on all its walls, path traced by kajo, Mitsuba 3 and Blender's Cycles: what an error costs.
 
     pip install mitsuba bpy numpy
-    scenes/bench/textured_room.py DIR [--kajo FILE] [--filter NAME]... [--size N] [--samples N] [--runs N]
+    scenes/bench/textured_room.py DIR [--kajo FILE] [--filter NAME]... [--without-cycles] [--size N] [--samples N] [--runs N]
 
 Floor, walls, ceiling and two boxes show pictures that the script writes to DIR, bilinear and repeated. One thread each, the programs take turns.
 The error is that of one picture, from pictures that differ in the seed only; seconds are of processor time, of the render call
@@ -246,11 +246,13 @@ def main():
     parser.add_argument("--variant", action="append", help="Mitsuba's; scalar_rgb where none is named")
     for name, default in (("size", 256), ("samples", 64), ("runs", 4)):
         parser.add_argument(f"--{name}", type=int, default=default)
+    parser.add_argument("--without-cycles", action="store_true", help="for Mitsuba's variants with LLVM, which cannot be loaded beside it")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     pictures(options.folder)
     programs = [Kajo(options, name) for name in options.filter or ["bilinear"]]
-    programs += [Mitsuba(options, variant) for variant in options.variant or ["scalar_rgb"]] + [Cycles(options)]
+    programs += [Mitsuba(options, variant) for variant in options.variant or ["scalar_rgb"]]
+    programs += [] if options.without_cycles else [Cycles(options)]
     runs = [[program.run(seed) for program in programs] for seed in range(1, options.runs + 1)]
     print("| program | squared error | seconds | error x s | mean |\n|---|---|---|---|---|")
     for program, results in zip(programs, zip(*runs)):

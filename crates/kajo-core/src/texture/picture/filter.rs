@@ -21,6 +21,8 @@
 //!
 //! Ellipses more than 16 times longer than wide are made wider.
 
+use std::sync::LazyLock;
+
 use kajo_math::{Vec2, fmath, rng::Stream};
 
 use super::pyramid::Pyramid;
@@ -158,7 +160,49 @@ enum LevelTexels<'a> {
     Tiled(TiledLevel<'a>),
 }
 
+/// In how many parts of `r^2` the weights of an ellipse are known: within 0.003 of their formula, which is 1 in the middle.
+const KERNEL_PARTS: f32 = 1024.0;
+
+/// Weights of an ellipse by `r^2`.
+fn kernel() -> &'static [f32; KERNEL_PARTS as usize] {
+    static KERNEL: LazyLock<[f32; KERNEL_PARTS as usize]> = LazyLock::new(|| {
+        let weight = |r2: f32| fmath::exp(-FALL * r2) - fmath::exp(-FALL);
+        std::array::from_fn(|i| weight((i as f32 + 0.5) / KERNEL_PARTS))
+    });
+    &KERNEL
+}
+
+/// The largest whole number that is not more, as `f32::floor` has it.
+#[inline]
+pub(super) fn floor(x: f32) -> i64 {
+    let whole = x as i64;
+    whole.saturating_sub(i64::from(whole as f32 > x))
+}
+
+/// The least whole number that is not less.
+#[inline]
+pub(super) fn ceil(x: f32) -> i64 {
+    floor(-x).saturating_neg()
+}
+
+/// A texel as numbers in [0, 1].
+#[inline]
+fn unit(texel: [u16; 4]) -> [f32; 4] {
+    texel.map(|v| f32::from(v) * (1.0 / 65535.0))
+}
+
 impl LevelView<'_> {
+    /// The texels of a row from one column to another, where all of them are there, side by side in memory.
+    #[inline]
+    fn run(&self, row: Option<usize>, first: i64, last: i64) -> Option<&[[u16; 4]]> {
+        let LevelTexels::Resident(texels) = self.texels else { return None };
+        let (first, last) = (usize::try_from(first).ok()?, usize::try_from(last).ok()?);
+        if last >= self.width as usize {
+            return None;
+        }
+        texels[row? * self.width as usize..].get(first..=last)
+    }
+
     #[inline]
     fn texel(&self, x: Option<usize>, y: Option<usize>, wrap: [Wrap; 2]) -> [f32; 4] {
         match (x, y) {
@@ -167,7 +211,7 @@ impl LevelView<'_> {
                     LevelTexels::Resident(texels) => texels[y * self.width as usize + x],
                     LevelTexels::Tiled(level) => level.texel(x, y),
                 };
-                texel.map(|v| f32::from(v) * (1.0 / 65535.0))
+                unit(texel)
             }
             (None, _) => wrap[0].beside(),
             (_, None) => wrap[1].beside(),
@@ -333,29 +377,58 @@ impl PictureMap {
         if determinant.is_nan() || determinant <= 0.0 {
             return level.bilinear(s, self.wrap);
         }
-        let (a, b, c) = (yy / determinant, -2.0 * xy / determinant, xx / determinant);
+        let conic = [yy / determinant, -2.0 * xy / determinant, xx / determinant];
         let center = Vec2::new(s.x, 1.0 - s.y) * Vec2::new(level.width as f32, level.height as f32) - 0.5;
+        let mean = self.mean_within(&level, center, conic, yy);
+        mean.unwrap_or_else(|| level.bilinear(s, self.wrap))
+    }
+
+    /// The mean over the texels of a level within an ellipse; `None` where there is none.
+    ///
+    /// * `center`: in texels, downwards
+    /// * `[a, b, c]`: of `a x^2 + b x y + c y^2 < 1` around it
+    /// * `yy`: the square of how far it reaches up and down
+    fn mean_within(
+        &self,
+        level: &LevelView<'_>,
+        center: Vec2,
+        [a, b, c]: [f32; 3],
+        yy: f32,
+    ) -> Option<[f32; 4]> {
         let reach = yy.sqrt();
-        let least = fmath::exp(-FALL);
+        let kernel = kernel();
         let (mut sum, mut weights) = ([0.0; 4], 0.0);
-        for j in (center.y - reach).ceil() as i64..=(center.y + reach).floor() as i64 {
+        for j in ceil(center.y - reach)..=floor(center.y + reach) {
             let y = j as f32 - center.y;
             // Where the row enters the ellipse and leaves it.
             let (middle, half) = (-0.5 * b * y / a, ((1.0 - y * y / yy) / a).max(0.0).sqrt());
             let row = self.wrap[1].index_far(j, level.height);
             let low = center.x + middle;
-            for i in (low - half).ceil() as i64..=(low + half).floor() as i64 {
+            let weight = |i: i64| {
                 let x = i as f32 - center.x;
                 let r2 = (a * x + b * y) * x + c * y * y;
-                if r2 < 1.0 {
-                    let weight = fmath::exp(-FALL * r2) - least;
-                    let texel = level.texel(self.wrap[0].index_far(i, level.width), row, self.wrap);
-                    (0..4).for_each(|c| sum[c] += weight * texel[c]);
-                    weights += weight;
+                kernel.get((KERNEL_PARTS * r2) as usize).copied()
+            };
+            let mut add = |weight: f32, texel: [f32; 4]| {
+                (0..4).for_each(|c| sum[c] += weight * texel[c]);
+                weights += weight;
+            };
+            let (first, last) = (ceil(low - half), floor(low + half));
+            if let Some(texels) = level.run(row, first, last) {
+                for (i, texel) in (first..).zip(texels) {
+                    if let Some(weight) = weight(i) {
+                        add(weight, unit(*texel));
+                    }
+                }
+                continue;
+            }
+            for i in first..=last {
+                if let Some(weight) = weight(i) {
+                    add(weight, level.texel(self.wrap[0].index_far(i, level.width), row, self.wrap));
                 }
             }
         }
-        if weights > 0.0 { sum.map(|sum| (sum / weights).min(1.0)) } else { level.bilinear(s, self.wrap) }
+        (weights > 0.0).then(|| sum.map(|sum| (sum / weights).min(1.0)))
     }
 
     fn probed(&self, s: Vec2, ellipse: &Ellipse, size: Vec2) -> [f32; 4] {

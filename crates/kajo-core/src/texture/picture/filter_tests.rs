@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use kajo_math::{Vec2, Vec3, rng::Stream};
 
+use super::filter::{ceil, floor};
 use super::{Picture, PictureMap, TexelFilter, Wrap};
 use crate::texture::{TextureContext, TextureFootprint};
 
@@ -226,5 +227,14 @@ fn hostile_footprints_give_shares() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn whole_numbers_around_are_those_of_the_library() {
+    let large = [f32::MAX, 9.3e18, 1e18, 3e9];
+    for x in (-40..=40).map(|i| 0.25 * i as f32).chain(large).chain(large.map(|x| -x)) {
+        assert_eq!(floor(x), x.floor() as i64, "{x}");
+        assert_eq!(ceil(x), (x.ceil() as i64).max(-i64::MAX), "{x}");
     }
 }

@@ -169,6 +169,8 @@ class Settings(Block):
         weight: rays that count for less are not followed (number ≥ 0). Default: 0.
         filter: how samples become pixels (box, gaussian, lanczos, mitchell, none or tent; then
             a number from 0.001 to 64). Default: none.
+        texture_filter: how pictures are filtered that do not say it themselves (bilinear,
+            nearest, bicubic, trilinear, sat, ewa, feline or stochastic). Default: bilinear.
         seed: of the random numbers (whole number from 0 to 9007199254740992). Default: 0.
         spectral: with wavelengths in place of red, green and blue (on or off). Default: off.
         branches: rays from one surface (whole number from 1 to 65536). Default: by the
@@ -228,6 +230,7 @@ class Settings(Block):
         total_reflection: bool | None = None,
         weight: Number | None = None,
         filter: Literal["box", "gaussian", "lanczos", "mitchell", "none", "tent"] | tuple[Literal["box", "gaussian", "lanczos", "mitchell", "none", "tent"], Number] | None = None,
+        texture_filter: Literal["bilinear", "nearest", "bicubic", "trilinear", "sat", "ewa", "feline", "stochastic"] | None = None,
         seed: int | None = None,
         spectral: bool | None = None,
         branches: int | None = None,
@@ -267,6 +270,7 @@ class Settings(Block):
         self.total_reflection = total_reflection
         self.weight = weight
         self.filter = filter
+        self.texture_filter = texture_filter
         self.seed = seed
         self.spectral = spectral
         self.branches = branches

@@ -32,7 +32,7 @@ class Picture(PictureValue):
         tiling: how it repeats; `random` lays pieces of it at random, without seams and without
             a pattern that is seen from afar (regular or random). Default: regular.
         filter: what is between its texels, and what stands for many of them (bilinear, nearest,
-            bicubic, trilinear, sat, ewa, feline or stochastic). Default: bilinear.
+            bicubic, trilinear, sat, ewa, feline or stochastic). Default: by `textureFilter`.
         encoding: what its numbers mean; those of a key that is no colour are linear (srgb or
             linear). Default: by the file.
         channel: of pictures of numbers: which channel (red, green, blue or alpha). Default:
