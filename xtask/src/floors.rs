@@ -114,7 +114,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
     ("nested", &["ids", "interaction", "material", "objects", "shape"]),
     ("camera", &["interaction", "motion"]),
     ("sampler", &["interaction"]),
-    ("settings", &["bsdf", "interaction", "light", "sampler"]),
+    ("settings", &["bsdf", "interaction", "light", "sampler", "texture"]),
     ("environment", &[]),
     ("sky_disc", &[]),
     ("daylight", &["environment", "sky_disc"]),
