@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 77] = [
+const ROLES: [(&str, Role); 78] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -196,6 +196,7 @@ const ROLES: [(&str, Role); 77] = [
     ),
     ("checkpoint-every", Harmless("--checkpoint-every 0", "how often it goes there")),
     ("resume", Harmless("", "each of these renders has it")),
+    ("texture-filter", Decides("", "--texture-filter ewa")),
     ("texture-folder", Harmless("--texture-folder tiles", "where copies are kept")),
     ("texture-memory", Harmless("--texture-memory 1 --texture-folder tiles", "the same texels")),
     ("tev", Harmless("--tev 127.0.0.1:1", "a viewer")),

@@ -184,6 +184,7 @@ impl SceneBuilder {
         }
         check_finite(settings.is_finite(), "Settings")?;
         let rules = settings.dialect.unwrap_or_default().rules();
+        let texture_filter = settings.texture_filter.unwrap_or_default();
         let output = Output {
             camera,
             fitted: None,
@@ -191,6 +192,7 @@ impl SceneBuilder {
             readout: self.readout,
             settings,
             rules,
+            texture_filter,
             has_group: true,
             animation: None,
             animated_models: Vec::new(),

@@ -10,7 +10,7 @@ mod immersion;
 mod rays;
 mod relativity;
 
-use crate::texture::{TextureContext, TextureFootprint};
+use crate::texture::{TexelFilter, TextureContext, TextureFootprint};
 use std::sync::{Arc, OnceLock};
 
 use kajo_color::Spectrum;
@@ -91,6 +91,8 @@ pub struct Output {
     pub settings: Settings,
     /// The conventions of the file's dialect.
     pub rules: Rules,
+    /// How pictures are filtered that do not say it themselves.
+    pub texture_filter: TexelFilter,
     /// Whether the file has a group of objects at all; without one the reference shows the uv picture.
     pub has_group: bool,
     /// Which frame of how many this is, for a scene that has any.

@@ -195,8 +195,8 @@ impl Identity {
         // The derived texts of numbers say all their digits.
         let camera = camera_digest(camera);
         let text = format!(
-            "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
-            scene.output.rules
+            "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\ntexture_filter: {:?}\n{settings:#?}\n{spec:#?}\n{number}",
+            scene.output.rules, scene.output.texture_filter
         );
         Identity { text, build: build_identity(), adaptive: goal.adaptive }
     }

@@ -383,6 +383,7 @@ impl<'a> Compiler<'a> {
             readout: self.scene.readout(),
             settings,
             rules: self.rules,
+            texture_filter: self.pictures.filter,
             has_group,
             animation: self.animation,
             animated_models: self.animated_models,
