@@ -144,10 +144,11 @@ impl Scene {
     pub fn texture_context(&self, at: &Interaction) -> TextureContext {
         match self.appearance.has_filters {
             true => rarely(|| {
-                let footprint = self.texture_footprint(at, self.needs_uv(at));
-                TextureContext { footprint, ..self.point_context(at) }
+                let needs_uv = self.needs_uv(at);
+                let footprint = self.texture_footprint(at, needs_uv);
+                TextureContext { footprint, ..self.point_context(at, needs_uv) }
             }),
-            false => self.point_context(at),
+            false => self.point_context(at, self.needs_uv(at)),
         }
     }
 
@@ -158,9 +159,8 @@ impl Scene {
 
     /// The same with the footprint of a point.
     #[inline(always)]
-    fn point_context(&self, at: &Interaction) -> TextureContext {
-        let uv =
-            if self.needs_uv(at) { rarely(|| self.geometry.surface_uv(at)) } else { SurfaceUv::default() };
+    fn point_context(&self, at: &Interaction, needs_uv: bool) -> TextureContext {
+        let uv = if needs_uv { rarely(|| self.geometry.surface_uv(at)) } else { SurfaceUv::default() };
         let p = self.geometry.pattern_point(at);
         let n = self.geometry.pattern_normal(at);
         let object_from_world = self.pattern_frame(at);

@@ -271,6 +271,23 @@ fn footprints_on_second_coordinates_are_their_own() {
 }
 
 #[test]
+fn pictures_of_models_take_the_filter_of_the_render() {
+    let material = r#""pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0}}"#;
+    let content = triangle(r#","TEXCOORD_0":1"#, material);
+    for (settings, is_filtered) in [("", false), ("Settings { textureFilter trilinear }", true)] {
+        let materials = format!("{settings} Materials {{ Matte {{ color 0.5 0.5 0.5 }} }}");
+        let (scene, said) = compiled_of(&materials, "Model { file a.gltf }", &content);
+        let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
+        let footprint = SurfaceFootprint { dp: [4.0 * Vec3::X, 4.0 * Vec3::Y] };
+        let at = Interaction { footprint, ..met(&scene, -0.5, 0.5) };
+        let found = scene.appearance.phong(at.material, &scene.texture_context(&at)).diffuse.to_rgb();
+        // The mean of all four texels.
+        let is_mean = Vec3::from(found).distance(Vec3::splat(0.5)) < 1e-3;
+        assert_eq!(is_mean, is_filtered, "{settings}: {found:?}");
+    }
+}
+
+#[test]
 fn unlit_surfaces_have_their_colour_in_any_light() {
     let material = r#""pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1]},"extensions":{"KHR_materials_unlit":{}}"#;
     let unlit = scene("Model { file a.gltf }", &triangle("", material));
