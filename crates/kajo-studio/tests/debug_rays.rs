@@ -168,7 +168,7 @@ fn rays_of_integrators_that_prepare_something_come_when_that_is_done() {
     ask(&mut window, 2000);
     let ball = window.point([-2.6, 1.4, 1.3]);
     shoot(&mut window, ball);
-    let is_there = |studio: &Studio| studio.rays_progress().is_none();
+    let is_there = |studio: &Studio| studio.rays.as_ref().is_some_and(|rays| !rays.is_awaited);
     window.wait(is_there);
     let first = window.studio().rays.as_ref().unwrap();
     assert!(!first.is_awaited && !first.ray.segments.is_empty());

@@ -89,10 +89,11 @@ fn preparation(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
             None | Some([_, 0]) => "The integrator prepares".to_owned(),
             Some([done, tasks]) => format!("The integrator prepares: {done} of {tasks} tasks"),
         };
-        ui.label(text);
+        // Before the text, whose length changes: it stays under the pointer.
         if ui.small_button("Stop").clicked() {
             actions.push(Action::ClearDebugRay);
         }
+        ui.label(text);
     });
 }
 
