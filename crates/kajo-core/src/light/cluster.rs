@@ -23,7 +23,8 @@
 
 use kajo_math::Vec3;
 
-use super::LightBounds;
+use super::segment::{AngularSpan, LightCone, RaySegment};
+use super::{LightBounds, Receiver};
 
 /// The estimate for what may send something is at least this part of the bound on it.
 const LEAST: f32 = 0.02;
@@ -53,6 +54,40 @@ pub(super) struct LightCluster {
     cos_reach: f32,
     two_sided: bool,
     power: f32,
+}
+
+/// What a light is chosen for.
+pub(super) trait LightQuery {
+    /// What is expected of the light of a cluster, up to a factor that is the same for all clusters; 0 where nothing can arrive.
+    fn importance(&self, cluster: &LightCluster) -> f32;
+
+    /// The point for which is asked what is known to arrive.
+    fn position(&self) -> Vec3;
+}
+
+impl LightQuery for Receiver {
+    #[inline]
+    fn importance(&self, cluster: &LightCluster) -> f32 {
+        cluster.importance(self.p, self.n)
+    }
+
+    #[inline]
+    fn position(&self) -> Vec3 {
+        self.p
+    }
+}
+
+/// The light that reaches the ray and from there its start.
+impl LightQuery for RaySegment {
+    fn importance(&self, cluster: &LightCluster) -> f32 {
+        let radius = cluster.variance.sqrt();
+        let part = self.seen_from(cluster.mean, radius, cluster.cone().as_ref());
+        part.map_or(0.0, |part| (cluster.power * part.scattered(self.extinction)).min(MOST_POWER))
+    }
+
+    fn position(&self) -> Vec3 {
+        self.middle()
+    }
 }
 
 /// Sums over lights, weighted by their power.
@@ -139,6 +174,26 @@ impl LightCluster {
             importance *= mean_of_abs(w.dot(n), blur).max(1e-4);
         }
         importance
+    }
+
+    /// The angle under which a light sees a ray; `None` where it does not.
+    pub fn seen_from(&self, segment: &RaySegment) -> Option<AngularSpan> {
+        // A light is taken for half as large as it is, so that a ray through it is drawn finely where it passes the middle.
+        segment.seen_from(self.center, 0.5 * self.radius2.sqrt(), self.cone().as_ref())?.span()
+    }
+
+    /// Where light goes, if all of it stays on one side of a plane.
+    fn cone(&self) -> Option<LightCone> {
+        let sin_reach = sine(self.cos_reach);
+        let cos = self.cos_spread * self.cos_reach - self.sin_spread * sin_reach;
+        // Of two angles below 180 degrees.
+        let is_narrow = !self.two_sided && self.cos_reach >= 0.0 && self.cos_spread >= 0.0 && cos >= 0.0;
+        is_narrow.then(|| LightCone {
+            center: self.center,
+            radius: self.radius2.sqrt(),
+            axis: self.axis,
+            cos,
+        })
     }
 
     /// A bound on the cosine between the axes and ways to a receiver; `None` where no light can go there.

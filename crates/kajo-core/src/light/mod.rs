@@ -9,6 +9,7 @@
 //! Each sample has its density beside it, answered by the same member for the same receiver, and `laws/lights.rs` holds every
 //! member to that.
 
+mod along;
 mod area;
 mod bounding_sphere;
 mod bounds;
@@ -23,6 +24,7 @@ mod point;
 mod power_sampler;
 mod sample;
 mod sampler;
+mod segment;
 mod sky;
 mod spot;
 mod tree;
@@ -44,6 +46,7 @@ pub use sample::{
     EmissionPdf, LeNumbers, LightHit, LightLeSample, LightLiSample, LightPoint, Receiver, SampledLight,
 };
 pub use sampler::LightSampler;
+pub use segment::{AngularSpan, RaySegment};
 pub use sky::SkyLight;
 pub use spot::{SpotCone, SpotLight};
 pub use tree::LightTree;

@@ -3,7 +3,9 @@
 use kajo_color::Wavelengths;
 use kajo_math::Vec3;
 
+use super::cluster::LightQuery;
 use super::infinite::InfiniteLights;
+use super::segment::{AngularSpan, RaySegment};
 use super::tree::FirstStep;
 use super::visibility::{LightPart, Mixture, RegionVisibility};
 use super::{
@@ -170,12 +172,7 @@ impl LightSampler {
         }
         match by.into() {
             LightSelection::Tree => {}
-            LightSelection::Uniform => {
-                let n = self.len();
-                let scaled = u * n as f32;
-                let i = (scaled as usize).min(n.checked_sub(1)?);
-                return Some(SampledLight::new(self.choosable[i], 1.0 / n as f32, scaled - i as f32));
-            }
+            LightSelection::Uniform => return self.sample_uniform(u),
             LightSelection::Learned(visibility) => return self.sample_learned(to, u, visibility),
         }
         let step = self.tree.first_step(to);
@@ -199,7 +196,7 @@ impl LightSampler {
             LightSelection::Tree => {}
             LightSelection::Uniform => {
                 let can_be_chosen = in_tree || self.infinite.pmf(light) > 0.0;
-                return if can_be_chosen { 1.0 / self.len() as f32 } else { 0.0 };
+                return if can_be_chosen { self.pmf_uniform() } else { 0.0 };
             }
             LightSelection::Learned(visibility) => return self.pmf_learned(light, to, visibility),
         }
@@ -210,6 +207,68 @@ impl LightSampler {
         } else {
             (1.0 - share) * self.infinite.pmf(light)
         }
+    }
+
+    /// Chooses a light that has a position for a piece of a ray; `None` when none can reach it.
+    ///
+    /// * `u`: uniform in [0, 1)
+    pub fn sample_along<'a>(
+        &self,
+        segment: &RaySegment,
+        u: f32,
+        by: impl Into<LightSelection<'a>>,
+    ) -> Option<SampledLight> {
+        if let [only] = *self.choosable {
+            return Some(SampledLight::new(only, 1.0, u));
+        }
+        match by.into() {
+            LightSelection::Tree => self.tree.sample_along(segment, u),
+            LightSelection::Uniform => self.sample_uniform(u),
+            LightSelection::Learned(visibility) => {
+                let known = visibility.region(segment.position());
+                let step = self.tree.first_step(segment);
+                self.tree.sample_learned(segment, &step, u, &known, Mixture::START)
+            }
+        }
+    }
+
+    /// Probability with which [`LightSampler::sample_along`] chooses a light that has a position.
+    pub fn pmf_along<'a>(
+        &self,
+        light: LightIndex,
+        segment: &RaySegment,
+        by: impl Into<LightSelection<'a>>,
+    ) -> f32 {
+        if let [only] = *self.choosable {
+            return if only == light { 1.0 } else { 0.0 };
+        }
+        match by.into() {
+            LightSelection::Tree => self.tree.pmf_along(light, segment),
+            LightSelection::Uniform => self.pmf_uniform(),
+            LightSelection::Learned(visibility) => {
+                let known = visibility.region(segment.position());
+                let step = self.tree.first_step(segment);
+                self.tree.pmf_learned(light, segment, &step, &known, Mixture::START)
+            }
+        }
+    }
+
+    /// The angle under which a light sees a piece of a ray, of the part that its light can reach; `None` where there is none, and for a light
+    /// infinitely far away.
+    pub fn seen_from(&self, light: LightIndex, segment: &RaySegment) -> Option<AngularSpan> {
+        self.tree.seen_from(light, segment)
+    }
+
+    fn sample_uniform(&self, u: f32) -> Option<SampledLight> {
+        let n = self.len();
+        let scaled = u * n as f32;
+        let i = (scaled as usize).min(n.checked_sub(1)?);
+        Some(SampledLight::new(self.choosable[i], self.pmf_uniform(), scaled - i as f32))
+    }
+
+    /// Of a light that can be chosen.
+    fn pmf_uniform(&self) -> f32 {
+        1.0 / self.len() as f32
     }
 
     fn sample_learned(&self, to: &Receiver, u: f32, visibility: &LightVisibility) -> Option<SampledLight> {

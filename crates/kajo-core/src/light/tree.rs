@@ -8,16 +8,16 @@ use std::f32::consts::PI;
 
 use kajo_math::{Aabb, warp};
 
-use super::cluster::{LightCluster, LightMoments};
+use super::cluster::{LightCluster, LightMoments, LightQuery};
 use super::visibility::{self, Mixture, RegionVisibility};
-use super::{LightBounds, Receiver, SampledLight};
+use super::{LightBounds, SampledLight};
 use crate::ids::LightIndex;
 
 /// The lights of a scene that have a position, ready to be chosen from.
 #[derive(Debug, Default)]
 pub struct LightTree {
     /// Of inner node `i` the first child is `i + 1`.
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Node>,
     /// For each light of the scene the turns from the root to its leaf, first turn in bit 0.
     trails: Vec<u64>,
     /// Whether all lights fall off by the square of the distance.
@@ -25,13 +25,13 @@ pub struct LightTree {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    cluster: LightCluster,
-    content: NodeContent,
+pub(super) struct Node {
+    pub cluster: LightCluster,
+    pub content: NodeContent,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum NodeContent {
+pub(super) enum NodeContent {
     /// The first child is the next node, the second one stands at this index.
     Inner {
         second: u32,
@@ -88,9 +88,9 @@ impl LightTree {
 
     /// What the root leads to.
     #[inline]
-    pub(super) fn first_step(&self, to: &Receiver) -> FirstStep {
+    pub(super) fn first_step(&self, to: &impl LightQuery) -> FirstStep {
         let Some(root) = self.nodes.first() else { return FirstStep::NONE };
-        let importance = |at: usize| self.nodes[at].cluster.importance(to.p, to.n);
+        let importance = |at: usize| to.importance(&self.nodes[at].cluster);
         let importances = match root.content {
             NodeContent::Leaf(_) => [importance(0), 0.0],
             NodeContent::Inner { second } => [importance(1), importance(second as usize)],
@@ -103,7 +103,7 @@ impl LightTree {
     /// * `step`: that of the receiver
     /// * `u`: uniform in [0, 1)
     #[inline]
-    pub(super) fn sample(&self, to: &Receiver, step: &FirstStep, mut u: f32) -> Option<SampledLight> {
+    pub(super) fn sample(&self, to: &impl LightQuery, step: &FirstStep, mut u: f32) -> Option<SampledLight> {
         let (mut at, mut probability) = (0, 1.0);
         let mut first = step.share_of_first();
         loop {
@@ -127,7 +127,7 @@ impl LightTree {
 
     /// The probability with which [`LightTree::sample`] chooses a light for a receiver.
     #[inline]
-    pub(super) fn pmf(&self, light: LightIndex, to: &Receiver, step: &FirstStep) -> f32 {
+    pub(super) fn pmf(&self, light: LightIndex, to: &impl LightQuery, step: &FirstStep) -> f32 {
         let mut trail = self.trails[light.index()];
         if trail == NEVER {
             return 0.0;
@@ -153,7 +153,7 @@ impl LightTree {
     #[inline(never)]
     pub(super) fn sample_learned(
         &self,
-        to: &Receiver,
+        to: &impl LightQuery,
         step: &FirstStep,
         mut u: f32,
         known: &RegionVisibility<'_>,
@@ -178,7 +178,7 @@ impl LightTree {
     pub(super) fn pmf_learned(
         &self,
         light: LightIndex,
-        to: &Receiver,
+        to: &impl LightQuery,
         step: &FirstStep,
         known: &RegionVisibility<'_>,
         mut mixture: Mixture,
@@ -210,14 +210,14 @@ impl LightTree {
 
     /// What a node's two children may send to a receiver; nothing where it has none.
     #[inline]
-    fn importances_below(&self, at: usize, to: &Receiver) -> [f32; 2] {
+    fn importances_below(&self, at: usize, to: &impl LightQuery) -> [f32; 2] {
         let NodeContent::Inner { second } = self.nodes[at].content else { return [0.0; 2] };
-        [at + 1, second as usize].map(|at| self.nodes[at].cluster.importance(to.p, to.n))
+        [at + 1, second as usize].map(|at| to.importance(&self.nodes[at].cluster))
     }
 
     /// The probability of the first of a node's two children; `None` when neither reaches the receiver, or it has none.
     #[inline]
-    fn share_of_first(&self, at: usize, to: &Receiver) -> Option<f32> {
+    pub(super) fn share_of_first(&self, at: usize, to: &impl LightQuery) -> Option<f32> {
         share_of_first(self.importances_below(at, to))
     }
 
@@ -335,12 +335,13 @@ fn cheapest_split(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use super::super::Receiver;
     use super::*;
     use kajo_math::{Vec2, Vec3, rng::Stream, warp};
 
     /// Lights of different strength and direction in a box.
-    fn lights(n: u32) -> Vec<Option<LightBounds>> {
+    pub fn lights(n: u32) -> Vec<Option<LightBounds>> {
         let light = |i: u32| {
             let s = Stream::new(3, [i, 0], 0);
             let at = 10.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));

@@ -85,6 +85,40 @@ fn single_scattering_of_a_point_light_in_endless_fog() {
     }
 }
 
+/// The beam of a spot light with a hard edge, seen from the side: the integral of `sigma I exp(-sigma (t + r)) / (4 pi r^2)` over what of the ray is in the cone, which is so little that
+/// free paths, and points drawn all along the ray, end elsewhere. The spot lights beside it shine elsewhere too.
+#[test]
+fn single_scattering_in_the_beam_of_a_spot_light() {
+    let sigma = 0.1f64;
+    let half_angle = 3.0f64.to_radians();
+    let fog = format!("Media {{ Medium fog {{ sigma_s {sigma} }} exterior fog }}");
+    let spot = |at: [f64; 3], d: [f64; 3]| {
+        let [[x, y, z], [u, v, w]] = [at, d];
+        format!(
+            "SpotLight {{ position {x} {y} {z}  direction {u} {v} {w}  angle 6 innerAngle 6  intensity 1 }}"
+        )
+    };
+    let others: String =
+        (0..6u8).map(|i| spot([4.0, f64::from(i), -3.0], [1.0, 0.1 * f64::from(i), -0.2])).collect();
+    let (from, height) = (8.0, 3.0);
+    let reach = height * half_angle.tan();
+    let n = 20_000;
+    let h = 2.0 * reach / f64::from(n);
+    let expected: f64 = (0..n)
+        .map(|k| {
+            let off = -reach + h * (f64::from(k) + 0.5);
+            let r2 = off * off + height * height;
+            h * sigma * (-sigma * (from + off + r2.sqrt())).exp() / (4.0 * PI * r2)
+        })
+        .sum();
+    for rest in [String::new(), others] {
+        let view = camera([0.0, 0.0, 8.0], [0.0, 0.0, 0.0]);
+        let lights = format!("Lights {{ {} {rest} }}", spot([0.0, height, 0.0], [0.0, -1.0, 0.0]));
+        let found = mean(&scene(&format!("{view} {fog} {lights}")), settings(0), 400, 0);
+        found.check(expected, 0.01).unwrap();
+    }
+}
+
 /// The half space of [Chandrasekhar 1950], lit and seen straight on.
 #[test]
 fn a_half_space_reflects_as_its_h_function_says() {

@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+"""Fog with lights in it, path traced by kajo, Mitsuba 3 (`volpathmis`) and Blender's Cycles: what an error costs.
+
+    pip install mitsuba bpy numpy
+    scenes/bench/fog.py DIR [--lights spot|spots|points] [--kajo FILE]... [--size N] [--samples N] [--runs N] [--bounces N] [--without-cycles] [--without-mitsuba]
+
+A closed room of one matt colour is filled with a homogeneous medium. One thread each, the programs take turns. The error is that of one picture, from
+pictures that differ in the seed only; seconds are of processor time, of the render call of Mitsuba and Cycles, and of kajo's whole run less
+that of one sample. "error x s" is what an error costs, however many samples are taken. Means are printed because errors of different pictures say
+nothing: the lights of each program are scaled so that its picture has the mean of kajo's first one."""
+
+import argparse
+import pathlib
+import resource
+import subprocess
+import time
+
+import numpy as np
+
+EYE, TARGET, VIEW_ANGLE = (0, 1.6, 3.8), (0, 1.3, 0), 50
+ROOM = ((-3, 0, -3), (3, 3, 4))
+ALBEDO, SCATTERING, ABSORPTION, G = 0.5, 0.12, 0.01, 0.4
+# Position, direction, full angle of the cone in degrees or none, intensity in W/sr.
+LIGHTS = {
+    "spot": [((-1.2, 2.8, -0.5), (0.5, -1, 0.1), 24, 10)],
+    "spots": [((-1.2, 2.8, -0.5), (0.5, -1, 0.1), 24, 8), ((1.5, 2.7, 0), (-0.4, -1, -0.2), 16, 12), ((2.6, 1, -2), (-1, 0.1, 0.2), 10, 20),
+              ((-2.5, 0.6, 0.5), (1, 0.4, -0.6), 14, 14)],
+    "points": [((-1.2, 2.2, -0.5), None, None, 1), ((1.5, 1.7, 0), None, None, 0.6), ((2.2, 1, -2), None, None, 1.2), ((-2, 0.6, 0.5), None, None, 0.4),
+               ((0.3, 2.5, -2), None, None, 1), ((0, 0.4, 1), None, None, 0.2)],
+}  # fmt: skip
+
+
+def numbers(values):
+    return " ".join(f"{v:g}" for v in values)
+
+
+class Kajo:
+    def __init__(self, options, program):
+        self.options, self.program, self.name = options, program, pathlib.Path(program).name
+        self.file, self.out = options.folder / f"fog_{options.lights}.txt", options.folder / "fog.pfm"
+        lights = [
+            f"SpotLight {{ position {numbers(p)}  direction {numbers(d)}  angle {angle} innerAngle {angle}  intensity {i} }}"
+            if angle
+            else f"PointLight {{ position {numbers(p)}  intensity {i} }}"
+            for p, d, angle, i in LIGHTS[options.lights]
+        ]
+        low, high = ROOM
+        self.file.write_text(
+            f"PerspectiveCamera {{ center {numbers(EYE)}  direction {numbers(np.subtract(TARGET, EYE))}  up 0 1 0  angle {VIEW_ANGLE} }}\n"
+            f"Background {{ color 0 0 0 }}\nMedia {{ Medium fog {{ sigma_s {SCATTERING}  sigma_a {ABSORPTION}  g {G} }}  exterior fog }}\n"
+            f"Materials {{ Matte wall {{ color {ALBEDO} {ALBEDO} {ALBEDO} }} }}\nLights {{ {' '.join(lights)} }}\n"
+            f"Group {{ MaterialIndex wall  Box {{ min {numbers(low)}  max {numbers(high)} }} }}\n"
+        )
+
+    def render(self, samples, seed):
+        options = self.options
+        command = [self.program, "render", str(self.file), "-o", str(self.out), "--integrator", "path", "--bounces", str(options.bounces)]
+        command += ["--size", f"{options.size}x{options.size}", "--samples", "sobol", str(samples)]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        subprocess.run([*command, "--seed", str(seed), "--threads", "1", "--quiet"], check=True)
+        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        content = self.out.read_bytes().split(b"\n", 3)[3]
+        return np.frombuffer(content, "<f4").reshape(options.size, options.size, 3)[::-1].astype(float), seconds
+
+    def run(self, seed):
+        samples = self.options.samples
+        _, start = self.render(1, seed)
+        picture, seconds = self.render(samples, seed)
+        return picture, (seconds - start) * samples / (samples - 1)
+
+
+class Mitsuba:
+    def __init__(self, options):
+        import mitsuba as mi
+
+        self.mi, self.options, self.name = mi, options, "Mitsuba scalar_rgb"
+        mi.set_variant("scalar_rgb")
+        T = mi.ScalarTransform4f
+        film = {"type": "hdrfilm", "width": options.size, "height": options.size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
+        fog = {"type": "homogeneous", "albedo": SCATTERING / (SCATTERING + ABSORPTION), "sigma_t": SCATTERING + ABSORPTION,
+               "phase": {"type": "hg", "g": G}, "sample_emitters": True}  # fmt: skip
+        view = T().look_at(origin=EYE, target=TARGET, up=[0, 1, 0])
+        sensor = {"type": "perspective", "fov": VIEW_ANGLE, "fov_axis": "y", "to_world": view, "film": film, "medium": {"type": "ref", "id": "fog"}}
+        sensor["sampler"] = {"type": "multijitter", "sample_count": options.samples}
+        low, high = (np.array(v, float) for v in ROOM)
+        wall = {"type": "twosided", "side": {"type": "diffuse", "reflectance": {"type": "rgb", "value": ALBEDO}}}
+        box = {"type": "cube", "to_world": T().translate((low + high) / 2).scale((high - low) / 2), "bsdf": wall, "interior": {"type": "ref", "id": "fog"}}
+        scene = {"type": "scene", "fog": fog, "integrator": {"type": "volpathmis", "max_depth": options.bounces + 2}, "sensor": sensor, "room": box}
+        for i, (p, d, angle, intensity) in enumerate(LIGHTS[options.lights]):
+            light = {"type": "point", "position": list(p), "intensity": {"type": "rgb", "value": intensity}}
+            if angle:
+                light = {"type": "spot", "to_world": T().look_at(origin=p, target=np.add(p, d), up=[0, 0, 1]), "cutoff_angle": angle / 2,
+                         "beam_width": angle / 2 * 0.999, "intensity": {"type": "rgb", "value": intensity}}  # fmt: skip
+            scene[f"light{i}"] = light | {"medium": {"type": "ref", "id": "fog"}}
+        self.scene = mi.load_dict(scene)
+        self.run(1000)
+
+    def run(self, seed):
+        start = time.process_time()
+        picture = np.array(self.mi.render(self.scene, spp=self.options.samples, seed=seed), dtype=float)
+        return picture, time.process_time() - start
+
+
+class Cycles:
+    def __init__(self, options):
+        import bpy
+        import mathutils
+
+        self.bpy, self.options, self.name = bpy, options, f"Cycles {bpy.app.version_string}"
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        low, high = (np.array(v, float) for v in ROOM)
+        bpy.ops.mesh.primitive_cube_add(size=1, location=(low + high) / 2, scale=high - low)
+        bpy.context.object.data.materials.append(self.material())
+        for p, d, angle, intensity in LIGHTS[options.lights]:
+            light = bpy.data.lights.new("light", "SPOT" if angle else "POINT")
+            light.energy, light.shadow_soft_size = 4 * np.pi * intensity, 0
+            if angle:
+                light.spot_size, light.spot_blend = np.radians(angle), 0
+            placed = bpy.data.objects.new("light", light)
+            if angle:
+                placed.rotation_mode, placed.rotation_quaternion = "QUATERNION", mathutils.Vector(d).to_track_quat("-Z", "Y")
+            placed.location = p
+            bpy.context.collection.objects.link(placed)
+        world = bpy.data.worlds.new("world")
+        world.use_nodes = True
+        world.node_tree.nodes["Background"].inputs[0].default_value = (0, 0, 0, 1)
+        bpy.context.scene.world = world
+        camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+        camera.data.sensor_fit, camera.data.angle = "VERTICAL", np.radians(VIEW_ANGLE)
+        z = (mathutils.Vector(EYE) - mathutils.Vector(TARGET)).normalized()
+        x = mathutils.Vector((0, 1, 0)).cross(z).normalized()
+        camera.matrix_world = mathutils.Matrix((x, z.cross(x), z)).transposed().to_4x4()
+        camera.matrix_world.translation = EYE
+        bpy.context.collection.objects.link(camera)
+        bpy.context.scene.camera = camera
+        self.settings()
+        self.run(1000)
+
+    def material(self):
+        """Matt walls of a box that is filled with the medium."""
+        material = self.bpy.data.materials.new("wall")
+        material.use_nodes = True
+        tree = material.node_tree
+        tree.nodes.clear()
+        kinds = ("OutputMaterial", "BsdfDiffuse", "VolumeScatter", "VolumeAbsorption", "AddShader")
+        out, diffuse, scatter, absorb, add = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+        diffuse.inputs["Color"].default_value = (ALBEDO, ALBEDO, ALBEDO, 1)
+        scatter.inputs["Color"].default_value, absorb.inputs["Color"].default_value = (1, 1, 1, 1), (0, 0, 0, 1)
+        scatter.inputs["Density"].default_value, absorb.inputs["Density"].default_value = SCATTERING, ABSORPTION
+        scatter.inputs["Anisotropy"].default_value = G
+        tree.links.new(scatter.outputs[0], add.inputs[0])
+        tree.links.new(absorb.outputs[0], add.inputs[1])
+        tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
+        tree.links.new(add.outputs[0], out.inputs["Volume"])
+        return material
+
+    def settings(self):
+        scene = self.bpy.context.scene
+        scene.render.engine = "CYCLES"
+        cycles = scene.cycles
+        cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, False
+        cycles.max_bounces = cycles.diffuse_bounces = cycles.volume_bounces = self.options.bounces
+        cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+        cycles.pixel_filter_type, cycles.samples = "BOX", self.options.samples
+        scene.render.resolution_x = scene.render.resolution_y = self.options.size
+        scene.render.resolution_percentage, scene.render.threads_mode, scene.render.threads = 100, "FIXED", 1
+        scene.view_settings.view_transform = "Raw"
+        scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+        scene.render.filepath = str(self.options.folder / "cycles.exr")
+
+    def run(self, seed):
+        scene = self.bpy.context.scene
+        scene.cycles.seed = seed
+        start = time.process_time()
+        self.bpy.ops.render.render(write_still=True)
+        seconds = time.process_time() - start
+        image = self.bpy.data.images.load(scene.render.filepath)
+        pixels = np.empty(self.options.size**2 * 4, np.float32)
+        image.pixels.foreach_get(pixels)
+        self.bpy.data.images.remove(image)
+        return pixels.reshape(self.options.size, self.options.size, 4)[::-1, :, :3].astype(float), seconds
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=lambda name: pathlib.Path(name).resolve())
+    parser.add_argument("--kajo", action="append", help="any number of programs; kajo where none is named")
+    parser.add_argument("--lights", choices=LIGHTS, default="spot")
+    for name, default in (("size", 128), ("samples", 64), ("runs", 4), ("bounces", 8)):
+        parser.add_argument(f"--{name}", type=int, default=default)
+    parser.add_argument("--without-cycles", action="store_true")
+    parser.add_argument("--without-mitsuba", action="store_true")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    programs = [Kajo(options, program) for program in options.kajo or ["kajo"]]
+    programs += [] if options.without_mitsuba else [Mitsuba(options)]
+    programs += [] if options.without_cycles else [Cycles(options)]
+    runs = [[program.run(seed) for program in programs] for seed in range(1, options.runs + 1)]
+    print("| program | squared error | seconds | error x s | mean as it came |\n|---|---|---|---|---|")
+    wanted = None
+    for program, results in zip(programs, zip(*runs)):
+        stack = np.stack([picture for picture, _ in results])
+        mean = stack.mean()
+        wanted = wanted or mean
+        stack *= wanted / mean
+        error, seconds = stack.var(axis=0, ddof=1).mean(), float(np.median([seconds for _, seconds in results]))
+        print(f"| {program.name} | {error:.3e} | {seconds:.2f} | {error * seconds:.3e} | {mean:.5f} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
