@@ -1,7 +1,7 @@
-//! The geometry that light travels in, as far as integrators have to know.
+//! The geometry that light travels in, as integrators use it.
 //!
-//! Light goes straight but for bodies that bend it ([`crate::curved_light`]). A path knows what it is inside of, so whoever follows
-//! one asks, with the medium and the body at hand:
+//! Light goes straight but for bodies that bend it ([`crate::curved_light`]). A path carries the medium and the body that it is inside of, and these
+//! decide how it is followed:
 //!
 //! ```text
 //! outside, or in any other medium      Scene::trace_into      straight, at one frequency

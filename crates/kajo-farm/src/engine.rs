@@ -1,7 +1,7 @@
 //! Hands units to an engine: another program, which knows machines that render.
 //!
 //! The engine started this program, reads [`Order`]s from its standard output and writes [`News`] to its standard input, by
-//! the messages of [`protocol`]. It knows nothing of what is finished: what it loses is ordered again, and a unit that it
+//! the messages of [`protocol`]. It keeps no record of what is finished: what it loses is ordered again, and a unit that it
 //! brings twice counts once. A unit that fails is tried three times, on different hosts where there are several, and then
 //! left out; one that takes ten times as long as others, and ten minutes, is ordered again. When no unit waits, those that
 //! take twice as long as others are ordered a second time.

@@ -238,7 +238,7 @@ impl SolidPattern {
     }
 }
 
-/// The sum of the squares of what is not `passed` of parts that know nothing of each other, by that of all of them.
+/// The sum of the squares of what is not `passed` of independent parts, by that of all of them.
 ///
 /// * `parts`: their sizes, and how much of each passes
 fn faded_share(parts: impl Iterator<Item = (f32, f32)>) -> f32 {

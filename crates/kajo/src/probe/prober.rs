@@ -46,7 +46,7 @@ struct Shared {
     state: Mutex<State>,
     /// Told of every new order.
     changed: Condvar,
-    /// Whether nobody wants what is being prepared any more.
+    /// Whether what is being prepared is no longer needed.
     is_unwanted: AtomicBool,
     /// Tasks of the preparation that are done, and how many there are.
     prepared: [AtomicU32; 2],

@@ -497,7 +497,7 @@ impl Surface for Curves {
             let n = facing(point.m.normalize_or_zero());
             let off = q - point.p;
             let (p, p_error) = stored(point.p + off - off.dot(n) * n, parts.reach);
-            // Whoever leaves is faced by the ribbon again, and must not be met by what it leaves.
+            // A ray that starts here is faced by the ribbon again, and must not hit the ribbon that it leaves.
             return SurfacePoint::flat(p, p_error + point.r as f32, n.as_vec3());
         }
         let cap = CAPS.iter().position(|cap| *cap == hit.u);

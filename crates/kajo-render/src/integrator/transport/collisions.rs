@@ -38,7 +38,7 @@
 //!
 //! What a medium gives of its own is found by paths from the camera alone, on each stretch that they go without a collision.
 //!
-//! Media that overlap are for `overlap.rs`.
+//! For overlapping media see `overlap.rs`.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;

@@ -24,7 +24,7 @@
 //! ```
 //!
 //! the generalized geometry term but for the cosine at `x0` [Jakob and Marschner 2012, eq. 11]. Walks take no random numbers, and are
-//! the same for the same ends: whoever has sampled `y` by scattering through some chain can ask whether a walk would have found that very chain.
+//! the same for the same ends: for a `y` that was sampled by scattering through some chain, it can be decided whether a walk would have found that very chain.
 //!
 //! Walks begin at one object, a caster, in a few directions that depend on its box and both ends. The chain of such a direction is as long
 //! as it comes nearest to `y`, and those that Newton's method would turn least are walked on from. So several chains may be found, each kept once.

@@ -13,7 +13,7 @@ use kajo_core::medium::{MaybeMedium, MediumId};
 use kajo_core::scene::Scene;
 use kajo_math::Ray;
 
-/// Media that a stack has room for. Where more overlap, the one entered first is forgotten.
+/// Media that a stack has room for. Where more overlap, the one entered first is dropped.
 const ROOM: usize = 4;
 
 /// Media that may be in one place, the air among them.

@@ -15,8 +15,8 @@
 //!
 //! Which medium scatters is chosen in proportion to its scattering there, `P[i](k) = sigma_s,k[i] d_k / sum over j of sigma_s,j[i] d_j` of the
 //! hero. Each lane would choose otherwise, so this counts among the densities of all lanes, or colours would be noisier with each
-//! scattering. A vertex has the phase function of one medium. The probability is the same for paths from both ends, and the
-//! weights between these need not know of it.
+//! scattering. A vertex has the phase function of one medium. The probability is the same for paths from both ends, so it cancels in
+//! the MIS weights.
 
 use std::array;
 

@@ -32,7 +32,7 @@ const WORTHWHILE: f64 = 0.02;
 /// Makes logarithms of ratios of densities positive.
 const OFFSET: f64 = 20.0;
 
-/// The share of a cell whose guide nobody has tried.
+/// The initial share of scattering in a cell whose guide no path has used yet.
 const FIRST_SHARE: f32 = 0.5;
 
 /// Effective records by which paths that were not guided can judge a guide.
@@ -52,7 +52,7 @@ const FIRST_DIVIDED: f32 = 0.02;
 const EVEN: f32 = 0.1;
 const PRIOR: f32 = 8.0;
 
-/// How many photons are worth as much there as a cosine.
+/// The number of photons whose weight in the directions of photons equals that of the cosine prior.
 const TRUSTED_PHOTONS: f64 = 16.0;
 
 /// What records count for of which there are newer ones.
@@ -551,7 +551,7 @@ mod tests {
         assert_eq!((known.records, known.x), (1500.0, 1500.0));
     }
 
-    /// Of places that no path has told of photons alone know.
+    /// Cells without records of paths use photons alone.
     #[test]
     fn photons_teach_where_paths_have_found_nothing() {
         let mut field = field();

@@ -42,7 +42,7 @@ pub struct Known {
     pub squares: f64,
     /// Of the light that came from directions of the tree.
     pub energy: f64,
-    /// Photons that have told of light there.
+    /// Number of photons recorded there.
     pub photons: f32,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Photons come first: where they arrive, of light that connections with a light do not find, is where paths should look. Then paths are
 //! followed in passes, pass `k` with `2^k` times as many as the first, spread over the whole picture. The first goes by scattering, and
-//! says how much light surfaces send back; each other one is guided by what all before it have taught. Between passes squares and cells are divided where
+//! records how much light surfaces send back; each other one is guided by the records of all before it. Between passes squares and cells are divided where
 //! much was found.
 //!
 //! Along a path the mixture's densities over those of scattering multiply to the *gain* `g`. Its logarithm, weighed by the light that is found,
@@ -138,7 +138,7 @@ impl<'t, 'a> Training<'t, 'a> {
         }
         let (photons, rays) = self.ask_photons(&mut field, unit)?;
         lesson.rays += rays;
-        // The first pass goes by scattering, whatever photons have taught.
+        // The first pass goes by scattering alone, whatever photons have recorded.
         field.cells.iter_mut().for_each(|cell| cell.share = 1.0);
         let mut effective = Vec::new();
         for k in 0..PASSES {

@@ -40,7 +40,7 @@ pub enum Indirect {
     Unknown,
     /// Its irradiance.
     Irradiance(Spectrum),
-    /// Nobody wants to know: the path ends.
+    /// Not needed: the path ends.
     Unwanted,
 }
 
@@ -162,7 +162,7 @@ pub struct Leaving {
     pub beta: Spectrum,
 }
 
-/// Nobody knows: all light is sampled.
+/// No known indirect light: all is sampled.
 pub struct Sampled;
 
 impl IndirectLight for Sampled {
