@@ -559,6 +559,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
             return;
         }
+        // [Veach 1997, eq. 9.15]
         let weight = match settings.technique {
             Technique::Combined if !li.is_delta => {
                 power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, (wi, li.wi)))
@@ -644,6 +645,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
     }
 
+    /// Direct light at a point `x` in a medium, by next-event estimation. The integral over directions of `p(wo, wi) Li(wi)`, with the phase function `p`,
+    /// is estimated by one light, drawn with the density `q` per solid angle: `p T Le / q`, with the estimate `T` of the transmittance in
+    /// [`PathTracer::add_light_through_media`]. Scattering has the density `p` itself, against which that is weighed. Where light was drawn for the ray that `x`
+    /// lies on too, the share of this estimate is that of [`EquiangularRay::weight_of_collision`].
     fn add_direct_light_in_medium(
         &mut self,
         path: &mut CameraPath<'s>,
@@ -691,6 +696,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
             return;
         }
+        // [Veach 1997, eq. 9.15], with the means over the lanes of the densities by free paths and by ratio tracking.
         let weight = match self.settings.technique {
             Technique::Combined if !li.is_delta => {
                 power_heuristic(pdf * by_light, pdf_by_scattering * by_scattering)

@@ -303,12 +303,14 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
         let lanes = &mut self.lanes;
         let is_real = is_homogeneous || draws.next_1d() * most.sigma[hero] < real[hero] || null[hero] <= 0.0;
         if !is_real {
+            // Second row [Miller, Georgiev and Jarosz 2019]; ratio tracking passes with the probability 1.
             let by = 1.0 / (t[hero] * null[hero]);
             self.beta *= t * null * by;
             lanes.r_u *= t * null * by;
             lanes.r_l *= t * most.sigma * by;
             return false;
         }
+        // First row, of which the choice of the medium is multiplied below.
         let by = 1.0 / (t[hero] * real[hero]);
         let passed = if is_homogeneous { t } else { Spectrum::WHITE };
         lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
