@@ -104,7 +104,7 @@ impl Integrator for RelativisticPath<'_> {
             t: seen.t,
             vertex: Vertex::default(),
             since_vertex: 1.0,
-            way: 1.0,
+            camera_length_ratio: 1.0,
         };
         // From the camera's own frame, which is the world's where the camera is at rest.
         if self.all.observer.velocity != DVec3::ZERO {
@@ -143,7 +143,7 @@ struct FramePath<'s> {
     /// The frequency that light of the ray has at that vertex over the one that it has here.
     since_vertex: f32,
     /// Lengths of the camera's own frame over those along the ray, as long as that is the camera's.
-    way: f32,
+    camera_length_ratio: f32,
 }
 
 impl FramePath<'_> {
@@ -169,7 +169,7 @@ impl FramePath<'_> {
         (self.frame, self.t) = (own.frame, own.t);
         state.shift_frequency(doppler);
         self.since_vertex *= doppler;
-        self.way *= doppler;
+        self.camera_length_ratio *= doppler;
     }
 
     fn light(&self) -> LightRay {
@@ -290,7 +290,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let s = surface.at.hit.t;
         if self.found.first.is_none() {
             let mut first = surface.at;
-            first.hit.t = s * path.way;
+            first.hit.t = s * path.camera_length_ratio;
             self.found.first = Some(first);
         }
         path.enter(&own);
@@ -342,7 +342,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         }
         path.vertex = Vertex { frame: path.frame, t: path.t };
         path.since_vertex = 1.0;
-        path.way = 0.0;
+        path.camera_length_ratio = 0.0;
         // What a pixel covers of the sky is known to camera rays alone: surfaces were met in frames of their own.
         path.path.state.differential = None;
         path.path.go_on(scene, settings, shaded, Part::All, self.observer)

@@ -52,7 +52,7 @@ const FIRST_DIVIDED: f32 = 0.02;
 const EVEN: f32 = 0.1;
 const PRIOR: f32 = 8.0;
 
-/// The number of photons whose weight in the directions of photons equals that of the cosine prior.
+/// Number of photons that weigh as much as the cosine prior.
 const TRUSTED_PHOTONS: f64 = 16.0;
 
 /// What records count for of which there are newer ones.
@@ -116,7 +116,7 @@ struct Counted {
 pub struct GuideRecord {
     pub cell: u32,
     /// The direction in the square; none for single directions.
-    pub place: Option<Vec2>,
+    pub position: Option<Vec2>,
     /// Density of the mixture; of a single direction the probability with which scattering was asked.
     pub p: f32,
     /// Density of scattering; of a single direction 1.
@@ -182,8 +182,8 @@ impl Collector {
             let ratio = p / (share * p_scattering + (1.0 - share) * p_guide);
             divergence.add(x * (ln64(ratio) + OFFSET).clamp(0.0, 2.0 * OFFSET));
         }
-        match record.place {
-            Some(place) => self.add_light(cell, place, x),
+        match record.position {
+            Some(position) => self.add_light(cell, position, x),
             None => {
                 cell.x[0].add(x);
                 cell.x[1].add(x * x);
@@ -191,24 +191,26 @@ impl Collector {
         }
     }
 
-    /// Adds light that comes to a place from a place of the square.
-    pub fn add_photon(&self, cell: u32, place: Vec2, power: f32) {
+    /// Adds the power of a photon to a cell.
+    ///
+    /// * `position`: of the direction that it came from, in the square
+    pub fn add_photon(&self, cell: u32, position: Vec2, power: f32) {
         let counted = &self.cells[cell as usize];
         counted.records.fetch_add(1, Relaxed);
         let x = f64::from(power) / self.unit;
         if x.is_finite() && x > 0.0 {
-            self.add_light(counted, place, x);
+            self.add_light(counted, position, x);
         }
     }
 
-    fn add_light(&self, cell: &Counted, mut place: Vec2, x: f64) {
+    fn add_light(&self, cell: &Counted, mut position: Vec2, x: f64) {
         cell.x[0].add(x);
         cell.x[1].add(x * x);
         let mut at = cell.root;
         loop {
             let square = &self.squares[at as usize];
-            let (i, within) = quadtree::quarter(place);
-            (at, place) = (square.children[i], within);
+            let (i, within) = quadtree::quarter(position);
+            (at, position) = (square.children[i], within);
             if at == LEAF {
                 return square.sums[i].add(x);
             }
@@ -458,7 +460,7 @@ mod tests {
         let p = quadtree::UNIFORM;
         GuideRecord {
             cell: 0,
-            place: Some(place),
+            position: Some(place),
             p,
             p_scattering: p,
             p_guide: p,
@@ -535,7 +537,8 @@ mod tests {
         let places = [Vec2::new(0.3, 0.6), Vec2::new(0.9, 0.1)];
         for place in places {
             let collector = Collector::new(&field, 1.0);
-            (0..1000).for_each(|i| collector.add(&GuideRecord { x: 1.0, place: Some(place), ..record(i) }));
+            (0..1000)
+                .for_each(|i| collector.add(&GuideRecord { x: 1.0, position: Some(place), ..record(i) }));
             collector.teach(&mut field, None);
         }
         let guide = field.cells[0].guide.unwrap();

@@ -1,12 +1,21 @@
 //! Path guiding: directions drawn by where light has come from [Müller, Gross and Novák 2017], [Müller 2019].
 //!
-//! Before the picture is taken, photons and paths are followed that nobody will see. What light they find is written down for the places and
+//! Before the picture is taken, photons and training paths are followed, which do not contribute to the picture. The light that they find is recorded for the places and
 //! directions that it came from, in passes each of which is twice as long as the one before, and is guided by what was learned by then. The
 //! picture's own paths go on, at surfaces that reflect light into more than single directions, by a mixture of scattering and what is known of the
 //! place; its share is that by which the paths of the last pass would have been the closest to the light. A light is drawn at every vertex as ever.
 //!
+//! At a vertex the reflected light is the integral of `f |cos| Li` over directions. One direction estimates it, drawn with the density per solid angle
+//!
+//! ```text
+//! p(w) = a p_s(w) + (1 - a) p_g(w),        beta <- beta f |cos| / p(w)
+//! ```
+//!
+//! of scattering, `p_s`, and of the guide of the cell that the vertex is in, `p_g`: piecewise constant on a tree of squares, which map to the sphere by equal
+//! areas. The share `a` is chosen for each cell; see `collector.rs`. In MIS weights against the draw of a light `p` stands in the place of `p_s`.
+//!
 //! What was learned is a function of the scene, the seed and the settings: records are summed in whole numbers, and trees change between
-//! passes only. The paths of the picture are independent of those that taught, so that each of their samples is unbiased by itself.
+//! passes only. The paths of the picture are independent of the training paths, so that each of their samples is unbiased by itself.
 //!
 //! Where a guide is of no use the picture is taken without, and then it has the same bits as if none had been asked for.
 
@@ -301,8 +310,8 @@ impl IndirectLight for Guide<'_> {
     #[inline]
     fn draw(&self, u: Vec2) -> (Vec3, f32) {
         let Some((_, Cell { guide: Some(guide), .. })) = self.at else { return (Vec3::Z, 0.0) };
-        let (place, density) = quadtree::sample(&self.field.nodes, guide, u);
-        (quadtree::from_square(place), density)
+        let (position, density) = quadtree::sample(&self.field.nodes, guide, u);
+        (quadtree::from_square(position), density)
     }
 
     fn leaves(&mut self, by: &Leaving) {
@@ -310,15 +319,15 @@ impl IndirectLight for Guide<'_> {
         let ratio = p / p_scattering;
         self.gain = (self.gain * if ratio.is_nan() { 1.0 } else { ratio }).min(MOST_GAIN);
         if let (Some(records), Some((cell, _))) = (&mut self.records, self.at) {
-            let place = w.map(quadtree::to_square);
-            records.push(GuideRecord { cell, place, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
+            let position = w.map(quadtree::to_square);
+            records.push(GuideRecord { cell, position, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
         }
     }
 
     fn fails(&mut self, beta: Spectrum) {
         if let (Some(records), Some((cell, _))) = (&mut self.records, self.at) {
-            let (place, p, p_scattering, p_guide) = (None, 1.0, 1.0, 1.0);
-            records.push(GuideRecord { cell, place, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
+            let (position, p, p_scattering, p_guide) = (None, 1.0, 1.0, 1.0);
+            records.push(GuideRecord { cell, position, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
         }
     }
 

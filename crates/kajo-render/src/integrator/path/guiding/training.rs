@@ -279,8 +279,8 @@ impl Photons {
     fn sort(&self, field: &Field) -> Collector {
         let collector = Collector::new(field, self.unit);
         for photon in &self.photons {
-            let place = quadtree::to_square(photon.wi());
-            collector.add_photon(cell_of(field, photon), place, sum_of(photon.power()) as f32);
+            let position = quadtree::to_square(photon.wi());
+            collector.add_photon(cell_of(field, photon), position, sum_of(photon.power()) as f32);
         }
         collector
     }
