@@ -32,7 +32,7 @@ pub enum Space {
 
 /// How light came to where it was followed to.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub struct CurveArrival {
     /// What became of it; only where it meets something is there an interaction.
     pub outcome: Outcome,
     /// Unit direction in which it arrives.
@@ -89,7 +89,7 @@ impl Scene {
         wavelengths: &Wavelengths,
         at: &mut Interaction,
         passed: impl FnMut(&Ray),
-    ) -> Option<Arrival> {
+    ) -> Option<CurveArrival> {
         let region = Region { bounds: self.bounds_of(body) };
         let mut chords = SceneChords { scene: self, at, passed };
         let followed =
@@ -112,12 +112,12 @@ impl Scene {
             }
         }
         let [eta, eta_scale, g] = [index, eta_scale, g].map(|v| v as f32);
-        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, ends, differential })
+        Some(CurveArrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, ends, differential })
     }
 
     /// What should be the same at both ends of a way through a body that bends light.
     ///
-    /// * `ends`: [`Arrival::ends`]
+    /// * `ends`: [`CurveArrival::ends`]
     /// * the rest: as for [`Scene::follow`]
     pub fn conserved(
         &self,

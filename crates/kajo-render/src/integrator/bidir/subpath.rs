@@ -23,7 +23,7 @@ use kajo_math::Vec3;
 use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
 use super::volume::{Volume, WithMedia, grown_through_media};
-use super::{Contribution, Technique, shade_one_way};
+use super::{Contribution, VertexCounts, shade_one_way};
 use crate::integrator::transport::{
     Event, MediumInteraction, PathState, SurfaceInteraction, advance, follow, follow_phase, pass_straight,
     survives, survives_in_medium,
@@ -136,7 +136,7 @@ impl Subpath<'_> {
     /// Light that the ray of a path from the camera has hit (`s = 0`).
     pub(super) fn hit(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
-            technique: Technique { s: 0, t: self.state.scatterings + 2 },
+            technique: VertexCounts { s: 0, t: self.state.scatterings + 2 },
             is_merged: false,
             light: self.state.beta * radiance,
             weight,

@@ -94,9 +94,9 @@ impl Integrator for RelativisticPath<'_> {
         observer.counters().camera += 1;
         let pivot = self.pivot.or_else(|| self.view.pivot(ray.time)).unwrap_or(ray.o);
         let seen = self.all.observed(&ray, pivot);
-        let found = Found {
+        let found = FrameEstimate {
             groups: self.view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]),
-            ..Found::default()
+            ..FrameEstimate::default()
         };
         let mut path = FramePath {
             path: CameraPath::new(state, &self.settings),
@@ -194,7 +194,7 @@ fn receiver_in(all: &Relativity, to: &Receiver, from: Vertex, frame: FrameId) ->
 
 /// What one sample has found so far.
 #[derive(Default)]
-struct Found {
+struct FrameEstimate {
     /// Linear RGB, as the sensor sees it.
     rgb: [f32; 3],
     groups: Option<[[f32; 3]; MAX_LIGHT_GROUPS]>,
@@ -203,7 +203,7 @@ struct Found {
 }
 
 /// Light drawn in the frame of its emitter.
-struct Drawn {
+struct FrameLightSample {
     light: LightIndex,
     group: LightGroup,
     /// Unit direction in the frame of the receiver.
@@ -221,7 +221,7 @@ struct Drawn {
 struct Tracer<'a, 'o, O: PathObserver> {
     integrator: &'a RelativisticPath<'a>,
     observer: &'o mut O,
-    found: Found,
+    found: FrameEstimate,
 }
 
 impl<O: PathObserver> Tracer<'_, '_, O> {
@@ -351,7 +351,12 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
     /// Light of an emitter of some frame for a surface, whether or not anything is in the way; `None` where none can arrive.
     ///
     /// Takes three numbers. The first one is left out; the other two are for the light and the position on it.
-    fn sample_light(&self, path: &mut FramePath<'_>, shaded: Shaded<'_>, frame: FrameId) -> Option<Drawn> {
+    fn sample_light(
+        &self,
+        path: &mut FramePath<'_>,
+        shaded: Shaded<'_>,
+        frame: FrameId,
+    ) -> Option<FrameLightSample> {
         let (scene, all) = (self.scene(), self.integrator.all);
         let Shaded { surface, local, .. } = shaded;
         let state = &mut path.path.state;
@@ -386,7 +391,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let there = LightRay { frame, ray: segment, t };
         let d = all.light(segment.d.as_dvec3(), frame, path.frame).as_vec3();
         let here = LightRay { frame: path.frame, ray: Ray { o: start, d, ..segment }, t: path.t };
-        let drawn = Drawn {
+        let drawn = FrameLightSample {
             light: chosen.light,
             group: scene.lighting.sampler.group(chosen.light),
             wi,

@@ -29,7 +29,7 @@ use crate::integrator::transport::{
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
 pub use caustics::ThroughGlass;
-pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Leaving, Sampled, Worth};
+pub use indirect::{DiffuseVertex, GuidedDirection, Indirect, IndirectLight, Sampled, Worth};
 
 /// A path from the camera, and what the weights of the light that it hits go by.
 #[derive(Clone, Copy)]

@@ -67,7 +67,7 @@ struct Most {
 }
 
 /// Coefficients of all media together at a point.
-struct Mixture {
+struct SummedCoefficients {
     densities: Densities,
     /// `r`.
     real: Spectrum,
@@ -121,11 +121,11 @@ impl<'a> Overlap<'a> {
         self.parts.each_ref().map(|part| part.as_ref().map_or(0.0, |part| part.stretch.density(p)))
     }
 
-    fn at(&self, p: Vec3, most: &Most) -> Mixture {
+    fn at(&self, p: Vec3, most: &Most) -> SummedCoefficients {
         let found = self.densities(p);
         let densities: Densities = array::from_fn(|k| found[k].min(most.densities[k]));
         let rest = array::from_fn(|k| most.densities[k] - densities[k]);
-        Mixture { densities, real: self.extinction(&densities), null: self.extinction(&rest) }
+        SummedCoefficients { densities, real: self.extinction(&densities), null: self.extinction(&rest) }
     }
 
     /// Radiance per unit length that all of them give at a point.
@@ -299,7 +299,7 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
         let hero = self.all.hero;
         let is_homogeneous = self.all.is_homogeneous;
-        let Mixture { densities, real, null } = self.all.at(self.ray.at(at), most);
+        let SummedCoefficients { densities, real, null } = self.all.at(self.ray.at(at), most);
         let lanes = &mut self.lanes;
         let is_real = is_homogeneous || draws.next_1d() * most.sigma[hero] < real[hero] || null[hero] <= 0.0;
         if !is_real {
@@ -440,7 +440,7 @@ struct OverlapRatioTracking<'a> {
 
 impl CollisionVisitor<Most> for OverlapRatioTracking<'_> {
     fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
-        let Mixture { null, .. } = self.all.at(self.ray.at(at), most);
+        let SummedCoefficients { null, .. } = self.all.at(self.ray.at(at), most);
         let hero = t[self.all.hero] * most.sigma[self.all.hero];
         let by = if hero > 0.0 { 1.0 / hero } else { 0.0 };
         let Passage { t: left, r_l, r_u } = &mut self.passage;

@@ -30,7 +30,7 @@ use kajo_core::light::LightVisibility;
 use kajo_core::scene::Scene;
 use kajo_math::{Vec2, Vec3, fmath};
 
-use super::{IndirectLight, Leaving, Path, PathSettings, Sampled, Worth, learned};
+use super::{GuidedDirection, IndirectLight, Path, PathSettings, Sampled, Worth, learned};
 use crate::integrator::Integrator;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, RayCounters, SampleContext};
@@ -314,8 +314,8 @@ impl IndirectLight for Guide<'_> {
         (quadtree::from_square(position), density)
     }
 
-    fn leaves(&mut self, by: &Leaving) {
-        let &Leaving { w, p, p_scattering, p_guide, beta } = by;
+    fn leaves(&mut self, by: &GuidedDirection) {
+        let &GuidedDirection { w, p, p_scattering, p_guide, beta } = by;
         let ratio = p / p_scattering;
         self.gain = (self.gain * if ratio.is_nan() { 1.0 } else { ratio }).min(MOST_GAIN);
         if let (Some(records), Some((cell, _))) = (&mut self.records, self.at) {

@@ -89,7 +89,7 @@ pub struct Training<'t, 'a> {
 
 /// What a pass, or a task of it, says of all its paths.
 #[derive(Clone, Copy, Default)]
-struct Found {
+struct PassTotals {
     rays: RayCounters,
     /// All light, and that times the logarithm of the gain.
     light: f64,
@@ -209,7 +209,7 @@ impl<'t, 'a> Training<'t, 'a> {
         field: &Field,
         collector: Option<&Collector>,
         (k, n): (u32, u64),
-    ) -> Result<Found, SetupError> {
+    ) -> Result<PassTotals, SetupError> {
         let [width, height] = self.path.view.size.map(u64::from);
         let pixels = width * height;
         let rounds = n.div_ceil(pixels);
@@ -219,7 +219,7 @@ impl<'t, 'a> Training<'t, 'a> {
         let paths = rounds * of_round;
         let tasks = self.setup.tasks(paths.div_ceil(PATHS_OF_TASK) as u32, |task| {
             let mut ctx = SampleContext::new(&sampler, seed);
-            let mut found = Found::default();
+            let mut found = PassTotals::default();
             let mut records = Records::new((2..PASSES).contains(&k));
             let begin = u64::from(task) * PATHS_OF_TASK;
             for i in begin..(begin + PATHS_OF_TASK).min(paths) {
@@ -246,9 +246,9 @@ impl<'t, 'a> Training<'t, 'a> {
                     }
                 }
             }
-            Ok(Found { rays: ctx.rays, ..found })
+            Ok(PassTotals { rays: ctx.rays, ..found })
         })?;
-        let mut all = Found::default();
+        let mut all = PassTotals::default();
         for task in tasks {
             all.rays += task.rays;
             all.light += task.light;
@@ -260,7 +260,7 @@ impl<'t, 'a> Training<'t, 'a> {
     }
 }
 
-impl Found {
+impl PassTotals {
     /// The mean logarithm of the gain; not a number without any light.
     fn gain(&self) -> f64 {
         self.nats / self.light

@@ -14,7 +14,7 @@ use kajo_color::Spectrum;
 use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
 use kajo_math::Vec2;
 
-use super::{CameraPath, Fork, IndirectLight, Leaving, PathTracer, Shaded, Worth, survives_guided};
+use super::{CameraPath, Fork, GuidedDirection, IndirectLight, PathTracer, Shaded, Worth, survives_guided};
 use crate::integrator::transport::{LocalFrame, PathState, SurfaceInteraction};
 use crate::trail::PathObserver;
 
@@ -99,13 +99,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             let Some((mut sample, wi)) = drawn else { return self.fail(beta) };
             if sample.kind.delta {
                 sample.weight *= 1.0 / share;
-                (sample, wi, Leaving { w: None, p: share, p_scattering: 1.0, p_guide: 0.0, beta })
+                (sample, wi, GuidedDirection { w: None, p: share, p_scattering: 1.0, p_guide: 0.0, beta })
             } else {
                 let (p, p_guide) = self.indirect.mixed(wi, sample.pdf);
                 let p_scattering = sample.pdf;
                 sample.weight *= p_scattering / p;
                 sample.pdf = p;
-                (sample, wi, Leaving { w: Some(wi), p, p_scattering, p_guide, beta })
+                (sample, wi, GuidedDirection { w: Some(wi), p, p_scattering, p_guide, beta })
             }
         } else {
             let (w, p_guide) = self.indirect.draw(u);
@@ -120,7 +120,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             }
             let kind = ScatterKind { transmission: false, delta: false, straight: false };
             let sample = BsdfSample { wi, weight, pdf: p, kind, eta: 1.0 };
-            (sample, w, Leaving { w: Some(w), p, p_scattering, p_guide, beta })
+            (sample, w, GuidedDirection { w: Some(w), p, p_scattering, p_guide, beta })
         };
         self.indirect.leaves(&left);
         if !path.go_along(scene, settings, at, (&sample, wi), self.observer) {
