@@ -30,6 +30,15 @@ pub enum Space {
     Curved,
 }
 
+/// A ray with those beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct DifferentialRay<'r> {
+    /// The ray.
+    pub ray: &'r Ray,
+    /// How neighbouring rays differ from it, if they are to be followed too.
+    pub differential: Option<&'r RayDifferential>,
+}
+
 /// How light came to where it was followed to.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveArrival {
@@ -74,8 +83,7 @@ impl Scene {
 
     /// Follows light through a body that bends it, to the first surface that it meets, which may be that of the body.
     ///
-    /// * `ray`: starts inside of the body; its direction has unit length
-    /// * `around`: how neighbouring rays differ from it, if they are to be followed too
+    /// * `from`: starts inside of the body; its direction has unit length
     /// * `medium`: what fills the body
     /// * `at`: filled with where light arrives, if it meets anything; the hit's `t` is that of the last chord
     /// * `passed`: told of each straight piece that light has gone, the last one excepted
@@ -83,7 +91,7 @@ impl Scene {
     /// Returns `None` where the medium does not bend light.
     pub fn follow(
         &self,
-        (ray, around): (&Ray, Option<&RayDifferential>),
+        DifferentialRay { ray, differential: around }: DifferentialRay<'_>,
         medium: MediumId,
         body: ObjectId,
         wavelengths: &Wavelengths,

@@ -107,20 +107,18 @@ impl<'s> CameraPath<'s> {
         };
         let Some(sample) = drawn.filter(|sample| part.holds(sample)) else { return false };
         let Some(wi) = local.to_world(&sample) else { return false };
-        self.go_along(scene, settings, at, (&sample, wi), observer)
+        self.go_along(scene, settings, at, SampledDirection { sample: &sample, wi }, observer)
             && survives(&mut self.state, self.bounces, settings.roulette)
     }
 
     /// Takes the path along a direction that was drawn, before roulette; `false` when it ends.
-    ///
-    /// * `wi`: the direction in world space
     #[inline(always)]
     fn go_along(
         &mut self,
         scene: &Scene,
         settings: &PathSettings,
         Shaded { surface, local, .. }: Shaded<'_>,
-        (sample, wi): (&BsdfSample, Vec3),
+        SampledDirection { sample, wi }: SampledDirection<'_>,
         observer: &mut impl PathObserver,
     ) -> bool {
         let state = &mut self.state;
@@ -142,6 +140,14 @@ impl<'s> CameraPath<'s> {
         self.bounces += u32::from(!is_free);
         true
     }
+}
+
+/// A direction that was drawn at a surface.
+#[derive(Clone, Copy)]
+struct SampledDirection<'v> {
+    sample: &'v BsdfSample,
+    /// The direction in world space.
+    wi: Vec3,
 }
 
 /// A surface and how it scatters.
@@ -360,7 +366,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         if C::IS_ASKED
             && !is_delta
-            && let Some(goes_on) = self.take_indirect(path, surface, bsdf, (&local, &shading))
+            && let Some(goes_on) = self.take_indirect(path, surface, bsdf, &local, &shading)
         {
             return goes_on;
         }
@@ -529,6 +535,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let drawn = light_of_choice(scene, state, &receiver, &chosen, u);
         let Some(DrawnLight { light, li, pdf }) = drawn else { return };
         let Some(wi) = local.to_local(li.wi) else { return };
+        let towards = TwoFrames { local: wi, world: li.wi };
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
         if scattered.is_black() {
             return;
@@ -538,7 +545,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
         let media = beyond.as_ref().unwrap_or(&state.media);
         if state.carries_media {
-            let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, (wi, li.wi));
+            let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, towards);
             let (carried, media) = (state.beta * scattered, *media);
             return self.add_light_through_media(
                 path,
@@ -562,7 +569,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         // [Veach 1997, eq. 9.15]
         let weight = match settings.technique {
             Technique::Combined if !li.is_delta => {
-                power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, (wi, li.wi)))
+                power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, towards))
             }
             _ => 1.0,
         };
@@ -575,13 +582,18 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Density per solid angle with which the path itself would go on in a direction.
-    ///
-    /// * `wi`: local, and in world space
     #[inline(always)]
-    fn pdf_of_path(&self, bsdf: &Bsdf<'_>, wo: Vec3, (wi, world): (Vec3, Vec3)) -> f32 {
-        let pdf = directions::pdf(self.settings.directions, bsdf, wo, wi);
-        if C::GUIDES { self.indirect.mixed(world, pdf).0 } else { pdf }
+    fn pdf_of_path(&self, bsdf: &Bsdf<'_>, wo: Vec3, wi: TwoFrames) -> f32 {
+        let pdf = directions::pdf(self.settings.directions, bsdf, wo, wi.local);
+        if C::GUIDES { self.indirect.mixed(wi.world, pdf).0 } else { pdf }
     }
+}
+
+/// A unit direction in the local frame of a surface, and in world space.
+#[derive(Clone, Copy)]
+struct TwoFrames {
+    local: Vec3,
+    world: Vec3,
 }
 
 /// What joins a vertex and a point of a light.

@@ -148,20 +148,21 @@ impl Collector {
     pub fn new(field: &Field, unit: f64) -> Collector {
         let mut collector = Collector { squares: Vec::new(), cells: Vec::new(), unit };
         for cell in &field.cells {
-            let root = collector.grow(&field.nodes, cell.guide, (1.0, threshold(cell)), 0);
+            let root = collector.grow(&field.nodes, cell.guide, Division::of_all(threshold(cell)));
             collector.cells.push(Counted { root, ..Counted::default() });
         }
         collector
     }
 
     /// Makes squares as small as what they hold asks for; returns the one that holds all.
-    fn grow(&mut self, nodes: &[Node], of: Option<u32>, (share, least): (f32, f32), depth: u32) -> u32 {
+    fn grow(&mut self, nodes: &[Node], of: Option<u32>, square: Division) -> u32 {
         let at = self.squares.len();
         self.squares.push(Square { children: [LEAF; 4], sums: Default::default() });
         for i in 0..4 {
             let (within, child) = quarter_of(nodes, of, i);
-            if share * within > least && depth + 1 < DEPTH {
-                self.squares[at].children[i] = self.grow(nodes, child, (share * within, least), depth + 1);
+            let quarter = square.quarter(within);
+            if quarter.share > quarter.least && quarter.depth < DEPTH {
+                self.squares[at].children[i] = self.grow(nodes, child, quarter);
             }
         }
         at as u32
@@ -242,7 +243,7 @@ impl Collector {
             let photons =
                 photons.map(|photons| (photons, photons.energy(counted.root))).filter(|(_, sum)| *sum > 0.0);
             if known.energy > 0.0 || photons.is_some() {
-                let (axis, whole) = (axis_of(side), (Vec2::ZERO, 1.0));
+                let (axis, whole) = (axis_of(side), SquareBounds::WHOLE);
                 let prior = self.prior(counted.root, whole, axis);
                 let even = match known.energy > 0.0 {
                     true => f64::from(EVEN.max(PRIOR / (PRIOR + known.effective()))),
@@ -259,7 +260,9 @@ impl Collector {
                     axis,
                     old,
                 };
-                self.freeze((&mut nodes, &mut found), counted.root, whole, (&freezing, (cell.guide, 1.0)));
+                let trees = FrozenTrees { nodes: &mut nodes, found: &mut found };
+                let old = OldSquare { node: cell.guide, share: 1.0 };
+                self.freeze(trees, counted.root, whole, &freezing, old);
             }
             cell.known = known;
             [cell.light, cell.direct] =
@@ -285,38 +288,36 @@ impl Collector {
     }
 
     /// What it would hold if nothing were known.
-    fn prior(&self, square: u32, (corner, side): (Vec2, f32), axis: Vec3) -> f64 {
+    fn prior(&self, square: u32, bounds: SquareBounds, axis: Vec3) -> f64 {
         let square = &self.squares[square as usize];
         let quarter = |i: usize| match square.children[i] {
-            LEAF => unknown(quarter_at(corner, side, i), axis),
-            child => self.prior(child, quarter_at(corner, side, i), axis),
+            LEAF => unknown(bounds.quarter(i), axis),
+            child => self.prior(child, bounds.quarter(i), axis),
         };
         (0..4).map(quarter).sum()
     }
 
     /// The tree of a square as it is drawn by, and that of what was found; returns what both hold.
-    ///
-    /// * `old`: the node of the tree that was, and the share of it that the square has
     fn freeze(
         &self,
-        trees: (&mut Vec<Node>, &mut Vec<Node>),
+        FrozenTrees { nodes, found }: FrozenTrees<'_>,
         square: u32,
-        (corner, side): (Vec2, f32),
-        (by, old): (&Freezing<'_>, (Option<u32>, f64)),
+        bounds: SquareBounds,
+        by: &Freezing<'_>,
+        old: OldSquare,
     ) -> [f64; 2] {
-        let (nodes, found) = trees;
         let at = nodes.len();
         let empty = Node { shares: [0.25; 4], children: [LEAF; 4] };
         nodes.push(empty);
         found.push(empty);
         let (mut held, mut held_found) = ([0.0; 4], [0.0; 4]);
         for i in 0..4 {
-            let quarter = quarter_at(corner, side, i);
-            let (within, child_of_old) = quarter_of(by.old.nodes, old.0, i);
-            let old = (child_of_old, old.1 * f64::from(within));
+            let quarter = bounds.quarter(i);
+            let (within, child_of_old) = quarter_of(by.old.nodes, old.node, i);
+            let old = OldSquare { node: child_of_old, share: old.share * f64::from(within) };
             [held[i], held_found[i]] = match self.squares[square as usize].children[i] {
                 LEAF => {
-                    let energy = self.squares[square as usize].sums[i].value() + by.old.energy * old.1;
+                    let energy = self.squares[square as usize].sums[i].value() + by.old.energy * old.share;
                     let sum_of = |of: &Collector| of.squares[square as usize].sums[i].value();
                     let photons = by.photons.map_or(0.0, |(photons, weight)| weight * sum_of(photons));
                     [by.paths * energy + photons + by.unknown * unknown(quarter, by.axis), energy]
@@ -324,7 +325,7 @@ impl Collector {
                 child => {
                     let next = nodes.len() as u32;
                     (nodes[at].children[i], found[at].children[i]) = (next, next);
-                    self.freeze((&mut *nodes, &mut *found), child, quarter, (by, old))
+                    self.freeze(FrozenTrees { nodes, found }, child, quarter, by, old)
                 }
             };
         }
@@ -336,6 +337,59 @@ impl Collector {
             all
         })
     }
+}
+
+/// What of a tree a square has, while it is divided.
+#[derive(Clone, Copy)]
+struct Division {
+    /// Its share of the energy of the tree.
+    share: f32,
+    /// Squares with a larger share than this are divided.
+    least: f32,
+    /// How often it has been divided.
+    depth: u32,
+}
+
+impl Division {
+    fn of_all(least: f32) -> Division {
+        Division { share: 1.0, least, depth: 0 }
+    }
+
+    /// A quarter with a share of the square.
+    fn quarter(self, within: f32) -> Division {
+        Division { share: self.share * within, depth: self.depth + 1, ..self }
+    }
+}
+
+/// A square of the unit square.
+#[derive(Clone, Copy)]
+struct SquareBounds {
+    corner: Vec2,
+    side: f32,
+}
+
+impl SquareBounds {
+    const WHOLE: SquareBounds = SquareBounds { corner: Vec2::ZERO, side: 1.0 };
+
+    fn quarter(self, i: usize) -> SquareBounds {
+        let side = 0.5 * self.side;
+        let corner = self.corner + side * Vec2::new((i % 2) as f32, (i / 2) as f32);
+        SquareBounds { corner, side }
+    }
+}
+
+/// The trees of all cells: as directions are drawn by them, and of what was found.
+struct FrozenTrees<'t> {
+    nodes: &'t mut Vec<Node>,
+    found: &'t mut Vec<Node>,
+}
+
+/// A square in the tree of the pass before.
+#[derive(Clone, Copy)]
+struct OldSquare {
+    node: Option<u32>,
+    /// The share of that tree that it has.
+    share: f64,
 }
 
 /// What a tree is made of.
@@ -354,14 +408,8 @@ struct Old<'c> {
     energy: f64,
 }
 
-/// A quarter of a square, by its corner and its side.
-fn quarter_at(corner: Vec2, side: f32, i: usize) -> (Vec2, f32) {
-    let side = 0.5 * side;
-    (corner + side * Vec2::new((i % 2) as f32, (i / 2) as f32), side)
-}
-
 /// What a square has where nothing is known: light from all over, seen by a surface that faces an axis.
-fn unknown((corner, side): (Vec2, f32), axis: Vec3) -> f64 {
+fn unknown(SquareBounds { corner, side }: SquareBounds, axis: Vec3) -> f64 {
     let w = quadtree::from_square(corner + 0.5 * side);
     f64::from(side * side * (w.dot(axis).max(0.0) + LEAST_COSINE))
 }

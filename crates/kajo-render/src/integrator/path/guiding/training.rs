@@ -87,7 +87,15 @@ pub struct Training<'t, 'a> {
     setup: &'t Setup<'t>,
 }
 
-/// What a pass, or a task of it, says of all its paths.
+/// Which paths a pass follows.
+struct TrainingPass {
+    /// Sets the random numbers of passes apart.
+    k: u32,
+    /// How many at least.
+    paths: u64,
+}
+
+/// Sums over all paths of a pass, or of a task of it.
 #[derive(Clone, Copy, Default)]
 struct PassTotals {
     rays: RayCounters,
@@ -129,7 +137,8 @@ impl<'t, 'a> Training<'t, 'a> {
             return Ok(lesson);
         }
         let mut field = Field::new(self.path.view.scene.geometry.bounds());
-        let probe = self.pass(&field, None, (PASSES, PROBES.min(self.first)))?;
+        let probe = TrainingPass { k: PASSES, paths: PROBES.min(self.first) };
+        let probe = self.pass(&field, None, probe)?;
         lesson.rays += probe.rays;
         let unit = probe.x / probe.records as f64;
         if !(unit.is_finite() && unit > 0.0) {
@@ -147,7 +156,7 @@ impl<'t, 'a> Training<'t, 'a> {
                 divide(&mut field, &effective, most, self.setup.memory);
             }
             let collector = Collector::new(&field, unit);
-            let found = self.pass(&field, Some(&collector), (k, self.first << k))?;
+            let found = self.pass(&field, Some(&collector), TrainingPass { k, paths: self.first << k })?;
             lesson.rays += found.rays;
             let is_judged = k == JUDGED || k + 1 == PASSES;
             if is_judged && (found.gain() < least_gain || found.gain().is_nan()) {
@@ -202,13 +211,11 @@ impl<'t, 'a> Training<'t, 'a> {
     /// Follows paths.
     ///
     /// * `collector`: where records go
-    /// * `k`: sets the numbers of passes apart
-    /// * `n`: how many paths at least
     fn pass(
         &self,
         field: &Field,
         collector: Option<&Collector>,
-        (k, n): (u32, u64),
+        TrainingPass { k, paths: n }: TrainingPass,
     ) -> Result<PassTotals, SetupError> {
         let [width, height] = self.path.view.size.map(u64::from);
         let pixels = width * height;

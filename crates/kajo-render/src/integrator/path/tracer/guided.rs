@@ -14,7 +14,10 @@ use kajo_color::Spectrum;
 use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
 use kajo_math::Vec2;
 
-use super::{CameraPath, Fork, GuidedDirection, IndirectLight, PathTracer, Shaded, Worth, survives_guided};
+use super::{
+    CameraPath, Fork, GuidedDirection, IndirectLight, PathTracer, SampledDirection, Shaded, Worth,
+    survives_guided,
+};
 use crate::integrator::transport::{LocalFrame, PathState, SurfaceInteraction};
 use crate::trail::PathObserver;
 
@@ -123,7 +126,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             (sample, w, GuidedDirection { w: Some(w), p, p_scattering, p_guide, beta })
         };
         self.indirect.leaves(&left);
-        if !path.go_along(scene, settings, at, (&sample, wi), self.observer) {
+        if !path.go_along(scene, settings, at, SampledDirection { sample: &sample, wi }, self.observer) {
             return false;
         }
         let plays = settings.roulette && self.indirect.worth() == Worth::Unknown;
@@ -138,7 +141,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let Some((sample, wi)) = drawn.and_then(|sample| Some((sample, at.local.to_world(&sample)?))) else {
             return false;
         };
-        path.go_along(self.view.scene, self.settings, at, (&sample, wi), self.observer)
+        let drawn = SampledDirection { sample: &sample, wi };
+        path.go_along(self.view.scene, self.settings, at, drawn, self.observer)
             && survives_guided(&mut path.state, path.bounces, self.settings.roulette, self.gain())
     }
 

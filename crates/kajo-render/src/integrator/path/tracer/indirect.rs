@@ -179,7 +179,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path: &mut CameraPath<'s>,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'s>,
-        (local, shading): (&LocalFrame, &Shading),
+        local: &LocalFrame,
+        shading: &Shading,
     ) -> Option<bool> {
         if path.bounces != 0 || self.settings.bounces == 0 {
             return None;
