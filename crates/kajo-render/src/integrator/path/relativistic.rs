@@ -33,7 +33,7 @@ use kajo_math::lorentz::SpacetimeEvent;
 use kajo_math::robust::offset_origin;
 use kajo_math::{DQuat, DVec3, Ray, Vec2, Vec3};
 
-use super::tracer::{CameraPath, Shaded, receiver};
+use super::tracer::{CameraPath, Shaded, receiver, weight_of_hit};
 use super::{PathSettings, directions, directions::Part};
 use crate::integrator::Integrator;
 use crate::integrator::camera_view::{CameraView, in_white_light};
@@ -460,24 +460,19 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
     /// * `d`: unit direction of the ray that hit it there
     fn mis_weight(&self, path: &FramePath<'_>, hit: &LightHit, at: &LightPoint, d: Vec3) -> f32 {
         let settings = &self.integrator.settings;
-        match settings.technique {
-            _ if !path.path.state.connectable => 1.0,
-            Technique::Scattering => 1.0,
-            Technique::Lights => 0.0,
-            Technique::Combined => {
-                let scene = self.scene();
-                let to = path.receiver_in(self.integrator.all, path.frame);
-                let choice = scene.lights_of(path.frame).pmf(hit.light, &to, settings.light_choice);
-                let lights = &scene.lighting;
-                let pdf_li = if choice > 0.0 {
-                    lights.lights.pdf_li(lights.sampler.id(hit.light), &to, at, d)
-                } else {
-                    0.0
-                };
-                // [Veach 1997, eq. 9.15], both densities per solid angle of the frame of the vertex before.
-                power_heuristic(path.path.pdf, choice * pdf_li * path.since_vertex * path.since_vertex)
-            }
-        }
+        weight_of_hit(settings.technique, path.path.state.connectable, || {
+            let scene = self.scene();
+            let to = path.receiver_in(self.integrator.all, path.frame);
+            let choice = scene.lights_of(path.frame).pmf(hit.light, &to, settings.light_choice);
+            let lights = &scene.lighting;
+            let pdf_li = if choice > 0.0 {
+                lights.lights.pdf_li(lights.sampler.id(hit.light), &to, at, d)
+            } else {
+                0.0
+            };
+            // [Veach 1997, eq. 9.15], both densities per solid angle of the frame of the vertex before.
+            power_heuristic(path.path.pdf, choice * pdf_li * path.since_vertex * path.since_vertex)
+        })
     }
 
     /// Light from infinitely far away, which rests in the world: `beta Le(d) w`.

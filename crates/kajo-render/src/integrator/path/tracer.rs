@@ -422,18 +422,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// * `at`: the point of the light
     /// * `d`: unit direction of the ray that hit it
     fn mis_weight(&self, path: &CameraPath<'s>, hit: &LightHit, at: &LightPoint, d: Vec3) -> f32 {
-        match self.settings.technique {
-            _ if !path.state.connectable => 1.0,
-            Technique::Scattering => 1.0,
-            Technique::Lights => 0.0,
-            Technique::Combined => {
-                let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, self.lights);
-                if path.state.carries_media {
-                    return self.mis_weight_through_media(path, hit, pdf_li);
-                }
-                power_heuristic(path.pdf, pdf_li)
+        weight_of_hit(self.settings.technique, path.state.connectable, || {
+            let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, self.lights);
+            if path.state.carries_media {
+                return self.mis_weight_through_media(path, hit, pdf_li);
             }
-        }
+            power_heuristic(path.pdf, pdf_li)
+        })
     }
 
     /// The same with the densities of all lanes, where some are carried through media.
@@ -547,11 +542,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         if state.carries_media {
             let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, towards);
             let (carried, media) = (state.beta * scattered, *media);
-            return self.add_light_through_media(
-                path,
-                &DrawnLight { light, li, pdf },
-                Joined { receiver, segment, media, carried, pdf_by_scattering },
-            );
+            let joined = Joined { receiver, segment, media, carried, pdf_by_scattering };
+            return self.add_light_through_media(path, &DrawnLight { light, li, pdf }, joined);
         }
         let carried = state.beta * scattered * media.transmittance(segment.length());
         let eta = media.eta_of_segment(scene);
@@ -764,6 +756,21 @@ impl Estimate {
             self.light = Spectrum::BLACK;
             path.end_secondary_wavelengths();
         }
+    }
+}
+
+/// The weight of light that a path has hit: that of multiple importance sampling where lights are drawn as well, and one could have been drawn.
+#[inline(always)]
+pub(super) fn weight_of_hit(
+    technique: Technique,
+    is_connectable: bool,
+    combined: impl FnOnce() -> f32,
+) -> f32 {
+    match technique {
+        _ if !is_connectable => 1.0,
+        Technique::Scattering => 1.0,
+        Technique::Lights => 0.0,
+        Technique::Combined => combined(),
     }
 }
 
