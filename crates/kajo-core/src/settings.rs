@@ -202,7 +202,7 @@ impl PhotonMapUse {
     ];
 }
 
-/// What an irradiance cache knows of how irradiance changes around its records.
+/// What an irradiance cache records of how irradiance changes around its records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gradients {
     /// First and second derivatives, by what hides what.

@@ -86,7 +86,7 @@ impl Scene {
     /// * `from`: starts inside of the body; its direction has unit length
     /// * `medium`: what fills the body
     /// * `at`: filled with where light arrives, if it meets anything; the hit's `t` is that of the last chord
-    /// * `passed`: told of each straight piece that light has gone, the last one excepted
+    /// * `passed`: called with each chord that light has gone along, the last one excepted
     ///
     /// Returns `None` where the medium does not bend light.
     pub fn follow(

@@ -50,7 +50,7 @@ impl LightEndPdf {
     }
 }
 
-/// What an observer is told of a segment that joins two vertices.
+/// What is reported to an observer of a segment that joins two vertices.
 struct Join<'a> {
     kind: RayKind,
     segment: &'a Ray,

@@ -185,7 +185,7 @@ impl MediumStack {
         }
     }
 
-    /// Forgets that an object was entered.
+    /// Drops the entry of an object.
     pub fn leave(&mut self, object: ObjectId) {
         if let Some(i) = self.position(object) {
             self.entries.copy_within(i + 1..self.len as usize, i);

@@ -146,7 +146,7 @@ impl TileCache {
         self.shards.iter().map(|shard| locked(shard).bytes).sum()
     }
 
-    /// What went wrong while tiles were read, and forgets it. Where there is any of it, parts of pictures were shown in their mean colour.
+    /// Takes what went wrong while tiles were read. Where there is any of it, parts of pictures were shown in their mean colour.
     pub fn take_problems(&self) -> Vec<String> {
         std::mem::take(&mut locked(&self.problems))
     }

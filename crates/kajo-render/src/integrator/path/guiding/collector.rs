@@ -1,4 +1,4 @@
-//! What the paths of a pass tell of the light that comes to places, summed exactly.
+//! The records of the paths of a pass, of the light that comes to points in cells, summed exactly.
 //!
 //! A record is a direction in which a path left a vertex, with the density `p` of the mixture, and the light `c` that came back along it, scattered towards the
 //! path: what lights gave at the next vertex, and what surfaces send back there of light that was scattered before. That is taken from the
@@ -36,7 +36,7 @@ const OFFSET: f64 = 20.0;
 const FIRST_SHARE: f32 = 0.5;
 
 /// Effective records by which paths that were not guided can judge a guide.
-pub const TELLING: f32 = 8.0;
+pub const LEAST_RECORDS: f32 = 8.0;
 
 /// A square is divided that holds more than this share of its tree, and more than so many effective records.
 const DIVIDED: f32 = 0.01;
@@ -218,16 +218,16 @@ impl Collector {
         }
     }
 
-    /// Puts what was learned into the field.
+    /// Puts the sums into the field.
     ///
-    /// * `photons`: what photons say of the same cells
-    pub fn teach(&self, field: &mut Field, photons: Option<&Collector>) {
+    /// * `photons`: the sums over photons of the same cells
+    pub fn update_field(&self, field: &mut Field, photons: Option<&Collector>) {
         let (mut nodes, mut found) =
             (Vec::with_capacity(self.squares.len()), Vec::with_capacity(self.squares.len()));
         let sides = field.sides();
         for (i, (counted, &side)) in self.cells.iter().zip(&sides).enumerate() {
             let cell = &mut field.cells[i];
-            let is_tried = cell.guide.is_some() && counted.effective() >= TELLING;
+            let is_tried = cell.guide.is_some() && counted.effective() >= LEAST_RECORDS;
             let old = Old { nodes: &field.found, energy: OLD * cell.known.energy };
             let new = self.energy(counted.root);
             let [x, squares] = [0, 1].map(|i| counted.x[i].value());
@@ -540,7 +540,7 @@ mod tests {
         for _ in 0..3 {
             let collector = Collector::new(&field, 3.0);
             (0..200_000).for_each(|i| collector.add(&record(i)));
-            collector.teach(&mut field, None);
+            collector.update_field(&mut field, None);
         }
         let cell = field.cells[0];
         let guide = cell.guide.unwrap();
@@ -569,11 +569,11 @@ mod tests {
             let mut field = field();
             let first = Collector::new(&field, 1.0);
             first.add(&GuideRecord { x: 1.0, ..record(0) });
-            first.teach(&mut field, None);
+            first.update_field(&mut field, None);
             assert_eq!(field.cells[0].share, FIRST_SHARE);
             let collector = Collector::new(&field, 1.0);
             (0..100).for_each(|i| collector.add(&GuideRecord { x: 1.0, p_guide, ..record(i) }));
-            collector.teach(&mut field, None);
+            collector.update_field(&mut field, None);
             assert_eq!(field.cells[0].share, expected, "{p_guide}");
         }
     }
@@ -587,7 +587,7 @@ mod tests {
             let collector = Collector::new(&field, 1.0);
             (0..1000)
                 .for_each(|i| collector.add(&GuideRecord { x: 1.0, position: Some(place), ..record(i) }));
-            collector.teach(&mut field, None);
+            collector.update_field(&mut field, None);
         }
         let guide = field.cells[0].guide.unwrap();
         let share = |nodes: &[Node], place: Vec2| {
@@ -604,13 +604,13 @@ mod tests {
 
     /// Cells without records of paths use photons alone.
     #[test]
-    fn photons_teach_where_paths_have_found_nothing() {
+    fn photons_fill_cells_where_paths_have_found_nothing() {
         let mut field = field();
         let place = Vec2::new(0.3, 0.6);
         for _ in 0..3 {
             let photons = Collector::new(&field, 1.0);
             (0..1000).for_each(|_| photons.add_photon(0, place, 1.0));
-            Collector::new(&field, 1.0).teach(&mut field, Some(&photons));
+            Collector::new(&field, 1.0).update_field(&mut field, Some(&photons));
         }
         let guide = field.cells[0].guide.unwrap();
         assert!(density(&field.nodes, guide, place) > 20.0 * quadtree::UNIFORM);

@@ -119,7 +119,7 @@ impl Field {
     ///
     /// * `counts`: what each cell has had
     /// * `most`: how much a cell may have; halves are taken to have half of it
-    /// * `split`: told of the new cell that gets a half of an old one; `false` when there is no room for it
+    /// * `split`: called with the new cell that gets a half of an old one; `false` when there is no room for it
     pub fn divide(&mut self, counts: &[f32], most: f32, mut split: impl FnMut(u32) -> bool) {
         for root in 0..SIDES {
             // What remains to be looked at: which link leads there, its box, the records in it.

@@ -35,7 +35,7 @@ use crate::integrator::Integrator;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, RayCounters, SampleContext};
 use crate::{Setup, SetupError, WithState};
-use collector::{GuideRecord, TELLING};
+use collector::{GuideRecord, LEAST_RECORDS};
 use field::{Cell, Field};
 use training::{LEAST_GAIN, Training};
 
@@ -106,16 +106,16 @@ impl Integrator for GuidedPath<'_> {
             }
             false => None,
         };
-        let lesson = Training::new(&self.plain, visibility.as_ref(), self.path.settings.training, setup)
+        let outcome = Training::new(&self.plain, visibility.as_ref(), self.path.settings.training, setup)
             .learn(self.least_gain)?;
-        rays += lesson.rays;
-        let integrator = Box::new(Taught { path: &self.path, visibility, field: lesson.field });
-        Ok(WithState { integrator, rays, notes: lesson.notes })
+        rays += outcome.rays;
+        let integrator = Box::new(TrainedPath { path: &self.path, visibility, field: outcome.field });
+        Ok(WithState { integrator, rays, notes: outcome.notes })
     }
 }
 
-/// A path tracer with what it has learned.
-struct Taught<'a> {
+/// A path tracer with its guide.
+struct TrainedPath<'a> {
     path: &'a Path<'a>,
     /// Which lights arrive, where lights are chosen by that.
     visibility: Option<LightVisibility>,
@@ -123,7 +123,7 @@ struct Taught<'a> {
     field: Option<Field>,
 }
 
-impl Integrator for Taught<'_> {
+impl Integrator for TrainedPath<'_> {
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
@@ -139,7 +139,7 @@ impl Integrator for Taught<'_> {
     }
 }
 
-/// Knows where light has come from.
+/// The guide of one path: densities by where light has come from.
 struct Guide<'f> {
     field: &'f Field,
     /// Where the path is, if it is guided there.
@@ -165,7 +165,7 @@ struct Split {
     gain: f32,
 }
 
-/// What a path tells of the light that came to it.
+/// What a training path records of the light that came to it.
 #[derive(Default)]
 struct Records {
     vertices: Vec<Vertex>,
@@ -211,7 +211,7 @@ impl<'f> Guide<'f> {
     ///
     /// * `beta`: what it carries, as the sum of its lanes
     fn worth_of(&mut self, beta: f32, known: &Cell) -> Worth {
-        if known.guide.is_none() || known.known.effective() < TELLING {
+        if known.guide.is_none() || known.known.effective() < LEAST_RECORDS {
             return Worth::Unknown;
         }
         let reference = *self.reference.get_or_insert(beta * (known.light + known.direct));

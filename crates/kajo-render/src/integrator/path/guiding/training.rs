@@ -1,4 +1,4 @@
-//! How a guide learns.
+//! The training of a guide.
 //!
 //! Photons come first: where they arrive, of light that connections with a light do not find, is where paths should look. Then paths are
 //! followed in passes, pass `k` with `2^k` times as many as the first, spread over the whole picture. The first goes by scattering, and
@@ -67,17 +67,17 @@ const MOST_EFFECTIVE: f32 = 50.0;
 /// What the mean logarithm of the gain has to be after the second guided pass, and after the last.
 pub const LEAST_GAIN: f64 = 0.1;
 
-/// What a guide has learned.
-pub struct Lesson {
+/// What the training has made.
+pub struct TrainingOutcome {
     /// None where it is of no use.
     pub field: Option<Field>,
     /// Rays that it took.
     pub rays: RayCounters,
-    /// What is worth knowing of it.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// Teaches.
+/// The training passes before a render.
 pub struct Training<'t, 'a> {
     path: &'t Path<'a>,
     /// Which lights arrive, where lights are chosen by that.
@@ -128,25 +128,25 @@ impl<'t, 'a> Training<'t, 'a> {
     ///
     /// # Errors
     /// [`SetupError`]
-    pub fn learn(&self, least_gain: f64) -> Result<Lesson, SetupError> {
-        let mut lesson = Lesson { field: None, rays: RayCounters::default(), notes: Vec::new() };
+    pub fn learn(&self, least_gain: f64) -> Result<TrainingOutcome, SetupError> {
+        let mut outcome = TrainingOutcome { field: None, rays: RayCounters::default(), notes: Vec::new() };
         if self.first < FEWEST {
-            lesson.notes.push(
+            outcome.notes.push(
                 "too few samples for a guide to learn from: directions are drawn by scattering".to_owned(),
             );
-            return Ok(lesson);
+            return Ok(outcome);
         }
         let mut field = Field::new(self.path.view.scene.geometry.bounds());
         let probe = TrainingPass { k: PASSES, paths: PROBES.min(self.first) };
         let probe = self.pass(&field, None, probe)?;
-        lesson.rays += probe.rays;
+        outcome.rays += probe.rays;
         let unit = probe.x / probe.records as f64;
         if !(unit.is_finite() && unit > 0.0) {
-            lesson.notes.push("no path has found any light that a guide could learn from".to_owned());
-            return Ok(lesson);
+            outcome.notes.push("no path has found any light that a guide could learn from".to_owned());
+            return Ok(outcome);
         }
         let (photons, rays) = self.ask_photons(&mut field, unit)?;
-        lesson.rays += rays;
+        outcome.rays += rays;
         // The first pass goes by scattering alone, whatever photons have recorded.
         field.cells.iter_mut().for_each(|cell| cell.share = 1.0);
         let mut effective = Vec::new();
@@ -157,22 +157,22 @@ impl<'t, 'a> Training<'t, 'a> {
             }
             let collector = Collector::new(&field, unit);
             let found = self.pass(&field, Some(&collector), TrainingPass { k, paths: self.first << k })?;
-            lesson.rays += found.rays;
+            outcome.rays += found.rays;
             let is_judged = k == JUDGED || k + 1 == PASSES;
             if is_judged && (found.gain() < least_gain || found.gain().is_nan()) {
-                lesson.notes.push(
+                outcome.notes.push(
                     "a guide would not make this picture less noisy: directions are drawn by scattering"
                         .to_owned(),
                 );
-                return Ok(lesson);
+                return Ok(outcome);
             }
             let photons = photons.as_ref().map(|photons| photons.sort(&field));
-            collector.teach(&mut field, photons.as_ref());
+            collector.update_field(&mut field, photons.as_ref());
             effective.clear();
             effective.extend(field.cells.iter().map(|cell| cell.known.effective()));
         }
-        lesson.field = Some(field);
-        Ok(lesson)
+        outcome.field = Some(field);
+        Ok(outcome)
     }
 
     /// Lets photons tell where light comes from that connections do not find; returns them and the rays that they took.
@@ -203,7 +203,7 @@ impl<'t, 'a> Training<'t, 'a> {
         // Trees as fine as what they hold asks for.
         for _ in 0..2 {
             let sorted = photons.sort(field);
-            Collector::new(field, unit).teach(field, Some(&sorted));
+            Collector::new(field, unit).update_field(field, Some(&sorted));
         }
         Ok((Some(photons), batch.rays))
     }

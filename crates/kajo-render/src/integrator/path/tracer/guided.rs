@@ -1,4 +1,4 @@
-//! Directions drawn with the help of a guide, which knows where light has come from to places like this one.
+//! Directions drawn with the help of a guide, which holds where light has come from to points of the same cell.
 //!
 //! With the density `p_s` of scattering and `p_g` of the guide a direction is drawn by one of both, with the chances `a` and `1 - a`, and counts
 //! by the density of the mixture,
@@ -133,7 +133,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         survives_guided(&mut path.state, path.bounces, plays, self.gain())
     }
 
-    /// Takes the path along a direction of scattering where nothing is known of light.
+    /// Takes the path along a direction of scattering where there is no guide.
     fn go_on_unguided(&mut self, path: &mut CameraPath<'s>, at: Shaded<'_>) -> bool {
         let draws = &mut path.state.draws;
         let (u, choice) = (draws.next_2d(), draws.number_if(at.bsdf.is_choosy()));
