@@ -55,8 +55,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "half the density of a direction to a light that was drawn",
         TRACER,
-        "power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, (wi, li.wi)))",
-        "power_heuristic(pdf, 0.5 * self.pdf_of_path(bsdf, local.wo, (wi, li.wi)))",
+        "power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, towards))",
+        "power_heuristic(pdf, 0.5 * self.pdf_of_path(bsdf, local.wo, towards))",
     ),
     mutant(
         "a place of an emitter gives the light of the whole",

@@ -15,6 +15,28 @@ const RETIRED: [(&[&str], &str); 4] = [
 /// Those of them that no part of the name of a type may be.
 const NOUNS: [&str; 5] = ["Place", "Places", "Piece", "Pieces", "Way"];
 
+/// Names of types alone, with what to write instead; as a part of a longer name, or as a function, they are plain English.
+const RETIRED_TYPES: [(&str, &str); 10] = [
+    ("Ball", "BoundingSphere, or which sphere it is"),
+    ("Bodies", "MediumStack"),
+    ("Boundary", "Interface"),
+    ("Departures", "PowerLightSampler"),
+    ("Draws", "SampleStream"),
+    ("Emitters", "LightSampler"),
+    ("Paint", "ColorTexture"),
+    ("Rivals", "PartialMis"),
+    ("Share", "FloatTexture, or the share of what it is"),
+    ("Witness", "PathObserver"),
+];
+
+/// The same of functions.
+const RETIRED_FUNCTIONS: [(&str, &str); 4] = [
+    ("squeeze", "eta_scale, or compact for an array"),
+    ("throughput", "beta"),
+    ("way_pdf", "pdf_li"),
+    ("weight_of_chance", "mis_weight"),
+];
+
 /// What is wrong with the names in the files of a workspace.
 ///
 /// * `files`: path from the root, and text
@@ -27,8 +49,11 @@ pub fn problems<'a>(files: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Stri
         for (i, line) in text.lines().enumerate() {
             let Some((kind, name)) = definition(line) else { continue };
             let is_function = kind == "fn";
+            let whole: &[_] = if is_function { &RETIRED_FUNCTIONS } else { &RETIRED_TYPES };
+            let whole = whole.iter().find(|(retired, _)| *retired == name).map(|(_, instead)| *instead);
             problems.extend(
                 instead_of(name, is_function)
+                    .or(whole)
                     .map(|instead| format!("{path}:{}: `{kind} {name}` is retired, write {instead}", i + 1)),
             );
             // Benchmarks are modules of one kind, each with its settings and its report.
@@ -106,7 +131,7 @@ mod tests {
         {
             assert_eq!(found("crates/a/src/b.rs", text), 1, "{text}");
         }
-        for text in ["struct PatchWay;", "enum LeafPlace {}", "struct PieceOfCake;"] {
+        for text in ["struct PatchWay;", "enum LeafPlace {}", "struct PieceOfCake;", "pub struct Rivals {}"] {
             assert_eq!(found("crates/x/src/a.rs", text), 1, "{text}");
         }
         for text in [
@@ -115,8 +140,14 @@ mod tests {
             "fn walk() {}",
             "struct PathSegment;",
             "struct Piecewise1D;",
+            "struct HostShare;",
+            "fn share() {}",
+            "fn squeezed() {}",
         ] {
             assert_eq!(found("crates/a/src/b.rs", text), 0, "{text}");
+        }
+        for text in ["fn way_pdf() {}", "pub fn throughput(&self)", "trait Witness {}", "enum Paint {}"] {
+            assert_eq!(found("crates/a/src/b.rs", text), 1, "{text}");
         }
         assert_eq!(found("crates/a/src/pieces.rs", ""), 1);
         assert_eq!(found("docs/pieces.md", "struct Place;"), 0);

@@ -8,7 +8,7 @@ use crate::simd::dispatch;
 use crate::walk::Tree;
 use crate::{BuildSettings, Stats};
 
-/// One primitive to a leaf: what the caller does with it is dear.
+/// One primitive to a leaf: testing a primitive is expensive.
 pub(crate) const SHAPE: LeafShape = LeafShape { block_bits: 0, most: 1, limit: Child::LIMIT };
 
 /// A tree over the boxes of primitives that the caller intersects.

@@ -1,7 +1,7 @@
 //! Bounding volume hierarchies: which primitives can a ray meet?
 //!
 //! [`Bvh`] stands over boxes of anything, [`MovingBvh`] over boxes that move; [`TriangleBvh`]
-//! over triangles, which it also intersects. None knows shapes, materials or scenes.
+//! over triangles, which it also intersects. None depends on shapes, materials or scenes.
 //!
 //! A tree is built as a binary one by the surface area heuristic, improved by moving
 //! subtrees, and collapsed into nodes of eight children, whose boxes one vector instruction

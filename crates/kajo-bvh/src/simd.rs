@@ -32,7 +32,7 @@ pub(crate) trait Simd: Copy {
     fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// Bit `i` tells whether `a <= b` in lane `i`.
     fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32;
-    /// Bit `i` tells whether `a < b` in lane `i`.
+    /// Bit `i` is whether `a < b` in lane `i`.
     fn lt(self, a: Self::F32x8, b: Self::F32x8) -> u32;
     /// Bit `i` is the sign of lane `i`, set for negative zero.
     fn signs(self, x: Self::F32x8) -> u32;

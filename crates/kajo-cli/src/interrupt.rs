@@ -79,7 +79,7 @@ impl Interrupt {
         (result, self.state.swap(FREE, Ordering::SeqCst) >= STOPPING)
     }
 
-    /// Writes something in the course of a render; nobody breaks it off, even when the render is to stop.
+    /// Writes something in the course of a render; it is not broken off, even when the render is to stop.
     pub fn undisturbed<T>(&self, write: impl FnOnce() -> T) -> T {
         self.turn(Work::Render, Work::Write);
         let result = write();

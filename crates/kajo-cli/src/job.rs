@@ -96,7 +96,7 @@ impl Diagram {
     }
 }
 
-/// Who is told what there is to say about a scene, before its render starts.
+/// Receives the diagnostics of a scene, before its render starts.
 pub struct Voice<'a> {
     /// Whether the text may hold the colour codes of terminals.
     pub color: bool,

@@ -24,7 +24,7 @@ const PAUSES: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(2
 /// How long a file is kept in memory that no folder takes.
 const LAST_PAUSE: Duration = Duration::from_secs(60);
 
-/// Bytes written before somebody looks whether to stop.
+/// Bytes written between two checks whether to stop.
 const CHUNK: usize = 1 << 20;
 
 /// The bytes of a picture's file, or why there are none.

@@ -62,7 +62,7 @@ impl<'a> Checkpoints<'a> {
 }
 
 impl<'a> Watcher<'a> {
-    /// Whoever the options ask for.
+    /// The callback that the options ask for.
     ///
     /// * `target`: of the checkpoints
     pub fn new(

@@ -52,7 +52,7 @@ impl Meter {
         Meter::Bar { bar: ProgressBar::no_length().with_style(style), rays }
     }
 
-    /// Who hears how far the loading is: a bar for long files, on a terminal. It goes when it is dropped.
+    /// Progress callback of the loading: a bar for long files, on a terminal. It goes when it is dropped.
     pub fn loading(&self) -> Option<Arc<dyn LoadProgress>> {
         match self {
             Meter::Bar { .. } => Some(Arc::new(LoadBar::new())),

@@ -10,8 +10,8 @@ use kajo_math::{Vec3, Vec4, fmath};
 /// In spectral mode the lanes belong to the four wavelengths of a [`Wavelengths`](crate::Wavelengths).
 /// In RGB mode lanes 0 to 2 are linear red, green and blue. Lane 3 of radiance and of colours is zero
 /// there, so products stay harmless; a pure factor, [`grey`](Spectrum::grey) or the result of
-/// [`exp`](Spectrum::exp), fills all four lanes in either mode. Whoever compares or averages lanes of a
-/// factor that may be pure asks `Wavelengths`, which knows how many lanes are in use.
+/// [`exp`](Spectrum::exp), fills all four lanes in either mode. Code that compares or averages lanes of a
+/// factor that may be pure takes the number of lanes in use from `Wavelengths`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spectrum(Vec4);
 

@@ -1,4 +1,14 @@
 //! What integrators that estimate integrals ask of a scene: how surfaces scatter, what they emit, which light arrives.
+//!
+//! Light that arrives directly at a receiver `x` is a sum over lights, estimated by one of them, chosen with the probability `P(i | x)`:
+//!
+//! ```text
+//! L = sum over i of integral of f |cos| V Li  dwi   ~   f |cos| V Li(wi) / (P(i | x) p_i(wi))
+//! ```
+//!
+//! with the density `p_i` per solid angle of the light's own draw ([`Scene::sample_li`]). [`Scene::pdf_li`] is the product `P p_i`, with which a
+//! direction that scattering found is weighed against that draw. Paths from lights begin with [`Scene::sample_le`] and count over the choice of the
+//! light times its densities of the position and the direction ([`Scene::pdf_le`]).
 
 use crate::texture::TextureContext;
 use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
@@ -195,6 +205,8 @@ impl Scene {
     }
 
     /// A ray of light that leaves a light; its densities leave out the choice of the light.
+    ///
+    /// The power that leaves it is the integral of `Le |cos|` over positions and directions, estimated by that over the product of both densities.
     ///
     /// * `time`: moment within the shutter interval
     /// * `world`: what lights infinitely far away are aimed at, [`PowerLightSampler::world`]

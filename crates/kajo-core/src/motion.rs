@@ -1,6 +1,6 @@
 //! Things that move while the shutter is open.
 //!
-//! A ray knows its moment `s` in the shutter interval, 0 at the opening and 1 at the closing. It meets every object
+//! A ray has a moment `s` in the shutter interval, 0 at the opening and 1 at the closing. It meets every object
 //! where that is at the time `open + s (close - open)`: the picture is the mean over that interval, the integral
 //! of motion blur by one more dimension of samples [Cook, Porter and Carpenter 1984].
 

@@ -147,8 +147,7 @@ pub enum ShadowAttenuation {
     Surface,
 }
 
-/// An integrator, by the name that it has in `Settings` and on the command line. Which there are is for the crate that has them
-/// to say; the compiler is told by `CompileOptions`.
+/// An integrator, by the name that it has in `Settings` and on the command line. The names are supplied through `CompileOptions`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegratorName(pub &'static str);
 
@@ -203,7 +202,7 @@ impl PhotonMapUse {
     ];
 }
 
-/// What an irradiance cache knows of how irradiance changes around its records.
+/// What an irradiance cache records of how irradiance changes around its records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gradients {
     /// First and second derivatives, by what hides what.
@@ -501,7 +500,7 @@ impl SettingsKey {
         SettingsKey::ShadeBack,
     ];
 
-    /// The key as a scene writes it, where `settings` have it and somebody without a use for it cannot comply.
+    /// The key as a scene writes it, if it is set in `settings`: for the warning that it has no effect.
     ///
     /// Shadows are cast wherever light is followed, so to ask for them is no mistake anywhere.
     pub fn said(self, settings: &Settings) -> Option<&'static str> {

@@ -14,7 +14,7 @@ use crate::interaction::{SurfacePoint, Tangents};
 use crate::material::{Lean, Orientation, ShadingPoint};
 use crate::scene::{Interaction, Scene};
 
-/// Directions that belong to a point of a surface, whoever looks at it.
+/// Directions that belong to a point of a surface, from whatever side it is viewed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shading {
     /// Unit shading normal, outward.

@@ -1,7 +1,7 @@
-//! The geometry that light travels in, as far as integrators have to know.
+//! The geometry that light travels in, as integrators use it.
 //!
-//! Light goes straight but for bodies that bend it ([`crate::curved_light`]). A path knows what it is inside of, so whoever follows
-//! one asks, with the medium and the body at hand:
+//! Light goes straight but for bodies that bend it ([`crate::curved_light`]). A path carries the medium and the body that it is inside of, and these
+//! decide how it is followed:
 //!
 //! ```text
 //! outside, or in any other medium      Scene::trace_into      straight, at one frequency
@@ -30,9 +30,18 @@ pub enum Space {
     Curved,
 }
 
+/// A ray with those beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct DifferentialRay<'r> {
+    /// The ray.
+    pub ray: &'r Ray,
+    /// How neighbouring rays differ from it, if they are to be followed too.
+    pub differential: Option<&'r RayDifferential>,
+}
+
 /// How light came to where it was followed to.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub struct CurveArrival {
     /// What became of it; only where it meets something is there an interaction.
     pub outcome: Outcome,
     /// Unit direction in which it arrives.
@@ -74,22 +83,21 @@ impl Scene {
 
     /// Follows light through a body that bends it, to the first surface that it meets, which may be that of the body.
     ///
-    /// * `ray`: starts inside of the body; its direction has unit length
-    /// * `around`: how neighbouring rays differ from it, if they are to be followed too
+    /// * `from`: starts inside of the body; its direction has unit length
     /// * `medium`: what fills the body
     /// * `at`: filled with where light arrives, if it meets anything; the hit's `t` is that of the last chord
-    /// * `passed`: told of each straight piece that light has gone, the last one excepted
+    /// * `passed`: called with each chord that light has gone along, the last one excepted
     ///
     /// Returns `None` where the medium does not bend light.
     pub fn follow(
         &self,
-        (ray, around): (&Ray, Option<&RayDifferential>),
+        DifferentialRay { ray, differential: around }: DifferentialRay<'_>,
         medium: MediumId,
         body: ObjectId,
         wavelengths: &Wavelengths,
         at: &mut Interaction,
         passed: impl FnMut(&Ray),
-    ) -> Option<Arrival> {
+    ) -> Option<CurveArrival> {
         let region = Region { bounds: self.bounds_of(body) };
         let mut chords = SceneChords { scene: self, at, passed };
         let followed =
@@ -112,12 +120,12 @@ impl Scene {
             }
         }
         let [eta, eta_scale, g] = [index, eta_scale, g].map(|v| v as f32);
-        Some(Arrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, ends, differential })
+        Some(CurveArrival { outcome, d, length: length as f32, chord, eta, eta_scale, g, ends, differential })
     }
 
     /// What should be the same at both ends of a way through a body that bends light.
     ///
-    /// * `ends`: [`Arrival::ends`]
+    /// * `ends`: [`CurveArrival::ends`]
     /// * the rest: as for [`Scene::follow`]
     pub fn conserved(
         &self,

@@ -376,7 +376,7 @@ pub(super) fn fields_of(node: &Node) -> impl Iterator<Item = &'static FieldSpec>
     node.block.into_iter().flat_map(Block::fields)
 }
 
-/// The settings with which a scene is rendered when nobody asks for anything else, those that depend on it.
+/// The default settings of a render of a scene, those that depend on it.
 fn settled(scene: &Scene) -> Option<Settings> {
     let render = RenderSettings::resolve(scene, &Settings::default(), Defaults::Modern, false).ok()?;
     Some(render.values())

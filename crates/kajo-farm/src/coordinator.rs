@@ -81,7 +81,7 @@ pub trait Start: Sync {
     fn start(&self, slot: usize) -> Result<Box<dyn Worker + '_>, Loss>;
 }
 
-/// Who is told how far a stage is. Called from several threads.
+/// Progress callback of a stage. Called from several threads.
 pub trait Watch: Sync {
     /// So many of its units are finished, and so many samples and rays were taken for them in this run.
     fn done(&self, units: u64, of: u64, samples: u64, rays: u64);

@@ -1,7 +1,7 @@
 //! Hands units to an engine: another program, which knows machines that render.
 //!
 //! The engine started this program, reads [`Order`]s from its standard output and writes [`News`] to its standard input, by
-//! the messages of [`protocol`]. It knows nothing of what is finished: what it loses is ordered again, and a unit that it
+//! the messages of [`protocol`]. It keeps no record of what is finished: what it loses is ordered again, and a unit that it
 //! brings twice counts once. A unit that fails is tried three times, on different hosts where there are several, and then
 //! left out; one that takes ten times as long as others, and ten minutes, is ordered again. When no unit waits, those that
 //! take twice as long as others are ordered a second time.
@@ -169,13 +169,13 @@ impl Engine {
     /// Tells what is rendered.
     ///
     /// # Errors
-    /// [`FarmError::NotYet`] when nobody listens.
+    /// [`FarmError::NotYet`] when the engine has ended.
     pub fn begin(&mut self, job: &Job, bundle: &Path) -> Result<(), FarmError> {
         let bundle = bundle.to_string_lossy().into_owned();
         self.order(&Order::Plan { plan: job.text().to_owned(), bundle }, &[])
     }
 
-    /// Tells that all is done; nobody need listen.
+    /// Tells the engine that all is done, if it still runs.
     pub fn end(&mut self) {
         let _ = self.order(&Order::End, &[]);
     }
@@ -323,7 +323,7 @@ impl Rendering<'_> {
             // Of a stage that is over.
             News::Part { stage, .. } | News::Lost { stage, .. } if stage != self.stage => {}
             News::Lost { kind: LossKind::Input, message, .. } => return Err(FarmError::Input(message)),
-            // Nobody waits for it any more.
+            // Its result is no longer needed.
             News::Lost { unit, .. } if !self.ledger.out.contains_key(&unit) => {}
             News::Lost { unit, kind: LossKind::Worker, message, .. } => self.lost(unit, &message),
             News::Lost { unit, host, kind: LossKind::Unit, message, .. } => {
@@ -358,7 +358,7 @@ impl Rendering<'_> {
                 return Ok(());
             }
         };
-        // A second copy is compared with the first, also when nobody waits for it.
+        // A second copy is compared with the first, also when it is no longer needed.
         self.job.publish(&part, &self.layout, self.split)?;
         let Some((since, copies)) = self.ledger.out.remove(&unit) else { return Ok(()) };
         if copies > 1 {

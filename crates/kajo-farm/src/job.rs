@@ -308,7 +308,7 @@ impl Job {
         }
         let path = self.sums_path(tile, generation);
         let bytes = TileSums::new(units, &film)?.bytes(&self.hash, tile);
-        // Somebody without locks may have been faster; then it is for them to tidy up.
+        // A process without locks may have been faster, and then it tidies up.
         if files::publish(&path, &bytes).map_err(FarmError::io(&path))? {
             self.tidy(tile, &parts)?;
         }

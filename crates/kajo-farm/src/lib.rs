@@ -2,7 +2,7 @@
 //!
 //! A [`Plan`] says what is rendered and how it is cut into *units*: a tile and a range of samples. A unit's result is a
 //! [`Part`], the exact sums of its samples. Parts are published in the folder of a [`Job`]: the first copy wins, and a
-//! second one must be equal. So whoever hands out units may forget, repeat or double any of them, and may itself be
+//! second one must be equal. So a coordinator may lose, repeat or double any unit, and may itself be
 //! killed: what is finished is in that folder and nowhere else.
 //!
 //! | in the folder | what |

@@ -35,7 +35,7 @@ pub struct Plan {
     pub tile: u32,
     /// Samples of each pixel in a unit.
     pub samples: u32,
-    /// The digest of what all units of a pass share and nobody can work out alone; integrators without such state have none.
+    /// The digest of what all units of a pass share and no unit can work out alone; integrators without such state have none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shared: Option<String>,
 }

@@ -1,7 +1,7 @@
 //! Panics of other people's decoders, which become errors of the file.
 //!
 //! The decoders are written in safe Rust and mean to return errors, but bytes of unknown origin still make one or the
-//! other panic. That is no bug to be reported to the user, so whoever shows panics asks [`is_contained`] first.
+//! other panic. That is no bug to be reported to the user, so code that shows panics asks [`is_contained`] first.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -2,7 +2,7 @@
 //!
 //! Every operation rounds outwards by at least the error of the operation on numbers, so that the value for any arguments
 //! in the intervals, computed in double precision or exactly, is in the result [Moore, Kearfott and Cloud 2009, chapter 2].
-//! An interval knows as well whether the function has a value everywhere in its range: `sqrt` has none below zero.
+//! An interval also holds whether the function has a value everywhere in its range: `sqrt` has none below zero.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -17,7 +17,7 @@ mod pose;
 
 use std::sync::Arc;
 
-pub use pose::{Pose, Segment};
+pub use pose::{Pose, PoseSegment};
 
 use crate::DAffine3;
 
@@ -40,7 +40,7 @@ pub struct Keyframes {
     /// Moments, each later than the one before.
     times: Vec<f64>,
     /// The way from each key to the next.
-    segments: Vec<Segment>,
+    segments: Vec<PoseSegment>,
 }
 
 impl Keyframes {
@@ -60,7 +60,7 @@ impl Keyframes {
         }
         let mut segments = Vec::with_capacity(keys.len() - 1);
         for (i, ends) in poses.windows(2).enumerate() {
-            segments.push(Segment::between(&ends[0], &ends[1]).ok_or(KeyError::Mirrors(i + 1))?);
+            segments.push(PoseSegment::between(&ends[0], &ends[1]).ok_or(KeyError::Mirrors(i + 1))?);
         }
         Ok(Keyframes { times, segments })
     }
@@ -75,11 +75,11 @@ impl Keyframes {
 
     /// Whether nothing is stretched, ever.
     pub fn is_rigid(&self) -> bool {
-        self.segments.iter().all(Segment::is_rigid)
+        self.segments.iter().all(PoseSegment::is_rigid)
     }
 
     /// The ways from key to key.
-    pub fn segments(&self) -> &[Segment] {
+    pub fn segments(&self) -> &[PoseSegment] {
         &self.segments
     }
 

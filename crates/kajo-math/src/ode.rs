@@ -2,7 +2,7 @@
 //!
 //! The state is an array of `N` numbers that follows `dy/dt = f(t, y)`. [`Solver`] takes steps of the embedded pair of
 //! orders 5 and 4 of Dormand and Prince, whose difference estimates the error of a step and so decides the length of the next.
-//! A [`Step`] knows the solution anywhere within it: an interpolant of order 4 made of the slopes that the step worked out
+//! A [`Step`] has the solution anywhere within it: an interpolant of order 4 made of the slopes that the step worked out
 //! anyway, which is where events are to be found. [`rk4_step`] and [`euler_step`] are the classic methods of fixed steps.
 //!
 //! Steps may go backwards. Nothing is allocated. A right-hand side that is not finite makes a step shorter, so where there is

@@ -186,7 +186,7 @@ mod tests {
         [0, 2].into_iter().flat_map(|d| [(d, 0), (d, 1), (d, 2)]).map(word).collect()
     }
 
-    /// The coins of 24 levels of both coordinates and of the order in two dimensions know nothing of each other: none of
+    /// The coins of 24 levels of both coordinates and of the order in two dimensions are independent: none of
     /// 10,296 pairs is off by six standard errors over 2^16 pixels, as it is by chance once in 5e4 tests. The largest found
     /// is 4.4; the mean square is 1 within 2 per cent.
     #[test]

@@ -17,7 +17,7 @@ use pyo3::types::PyBytes;
 
 use crate::{RenderError, failed};
 
-/// How long nobody looks at signals.
+/// Interval between two checks for signals.
 const STEP: Duration = Duration::from_millis(20);
 
 /// How far a render is, and whether it is to stop.
@@ -47,7 +47,7 @@ impl Watch {
     }
 }
 
-/// Who is told of a render while it runs.
+/// Progress callbacks of a render.
 pub struct Watchers {
     /// Called with the share that is done.
     pub progress: Option<Py<PyAny>>,

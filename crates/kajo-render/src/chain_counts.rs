@@ -58,7 +58,7 @@ impl ChainCounts {
         self.0.iter_mut().zip(&more.0).for_each(|(sum, more)| *sum = sum.saturating_add(*more));
     }
 
-    /// Forgets all chains, keeping the memory.
+    /// Drops all chains, keeping the memory.
     pub fn clear(&mut self) {
         self.0.clear();
     }

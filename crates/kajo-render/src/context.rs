@@ -171,12 +171,12 @@ impl Splats {
         &self.0
     }
 
-    /// Forgets all but the first `n`.
+    /// Drops all but the first `n`.
     pub fn truncate(&mut self, n: usize) {
         self.0.truncate(n);
     }
 
-    /// Forgets everything, keeping the memory.
+    /// Drops everything, keeping the memory.
     pub fn clear(&mut self) {
         self.0.clear();
     }

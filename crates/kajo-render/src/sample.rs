@@ -44,7 +44,7 @@ pub trait PixelIntegrator: Sync {
         (self.sample(ctx, pixel, raster), Trail::default())
     }
 
-    /// Whether [`PixelIntegrator::trail`] tells of the samples of a render only with their state: then it is to be asked of what
+    /// Whether [`PixelIntegrator::trail`] shows the samples of a render only with their state: then it is to be asked of what
     /// [`PixelIntegrator::with_state`] makes.
     fn trails_need_state(&self) -> bool {
         self.samples_per_state().is_some()

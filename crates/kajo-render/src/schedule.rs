@@ -288,8 +288,8 @@ pub fn render<I: PixelIntegrator + ?Sized>(
 /// Renders one unit into a part, which is emptied first.
 ///
 /// * `ctx`: the rays cast are added to its counters
-/// * `go_on`: told every 256 camera rays, more often where they branch, and at the end, how many were cast since it
-///   was last told, and the counters; says whether to go on
+/// * `go_on`: called every 256 camera rays, more often where they branch, and at the end, with how many were cast since the
+///   last call, and the counters; returns whether to go on
 ///
 /// Returns whether the unit was finished. If not, the part holds the samples taken so far.
 pub fn render_unit<I: PixelIntegrator + ?Sized>(

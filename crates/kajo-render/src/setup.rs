@@ -70,7 +70,7 @@ impl Setup<'_> {
                 match result {
                     Ok(task) => {
                         found.0.push((i, task));
-                        // Under the lock, so that numbers are told in order.
+                        // Under the lock, so that numbers are reported in order.
                         self.progress.prepared(found.0.len() as u32, n);
                     }
                     Err(error) => {

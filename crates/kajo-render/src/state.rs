@@ -8,7 +8,7 @@
 //! state = function of (scene, seed, k)
 //! ```
 //!
-//! So whoever takes a unit of work can make its state again: a render that goes on from a checkpoint, or another machine. Neither
+//! So the state of a unit of work can be made again: by a render that goes on from a checkpoint, or by another machine. Neither
 //! threads nor tiles nor the moment at which a pass ends can change a bit of it.
 
 use crate::{PixelIntegrator, RayCounters, Setup, SetupError};

@@ -163,7 +163,7 @@ pub(crate) trait PathObserver: Default {
     /// The sample is this in place of the light found.
     fn shown_instead(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
 
-    /// All weights and light told from here on are to be multiplied by this.
+    /// All weights and light reported from here on are to be multiplied by this.
     fn weaken(&mut self, _factor: impl FnOnce() -> [f32; 3]) {}
 
     /// The current ray.
@@ -179,7 +179,7 @@ pub(crate) trait PathObserver: Default {
     fn back_to_noted(&mut self, _number: u32) {}
 }
 
-/// What an integrator knows of a ray beside its geometry.
+/// What an integrator reports of a ray beside its geometry.
 pub(crate) struct About {
     pub eta: f32,
     pub weight: [f32; 3],

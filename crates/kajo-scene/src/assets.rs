@@ -19,7 +19,7 @@ pub trait Assets: Sync {
     /// When the name is refused or the file cannot be read.
     fn open(&self, name: &str, from: &str) -> Result<AssetFile, AssetError>;
 
-    /// Hears what becomes of the files, to tell whoever waits.
+    /// Progress callback of the loading of files.
     fn progress(&self, _step: LoadStep<'_>) {}
 }
 
@@ -61,7 +61,7 @@ pub struct AssetFile {
 
 type OpenAgain = dyn Fn() -> Result<AssetFile, AssetError> + Send + Sync;
 
-/// Opens a file again, for whoever does not keep all of its content.
+/// Opens a file again, for readers that do not keep all of its content.
 #[derive(Clone)]
 pub struct Reopen {
     identity: Arc<str>,

@@ -26,7 +26,7 @@ impl Severity {
     }
 }
 
-/// A place and what is to say about it.
+/// A place and the annotation shown there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// The place.
@@ -91,7 +91,7 @@ impl Diagnostic {
         self
     }
 
-    /// As [`Diagnostic::help`], when there is something to say.
+    /// As [`Diagnostic::help`], where there is a help text.
     pub fn maybe_help(mut self, help: Option<impl Into<String>>) -> Self {
         self.help = help.map(Into::into).or(self.help);
         self

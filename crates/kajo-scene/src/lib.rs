@@ -6,8 +6,8 @@
 //!                      +--print, apply_edits--> text
 //! ```
 //!
-//! This crate knows how a scene is written, not what its words mean: members of
-//! the language ask a [`Params`] for their keys, and what nobody asks for is an
+//! This crate defines how a scene is written, not what its words mean: members of
+//! the language read their keys from a [`Params`], and what is not read is an
 //! error with its place and the nearest word that would have been right.
 //! Files come from an [`Assets`]; what they may cost is bounded by [`Limits`].
 //!

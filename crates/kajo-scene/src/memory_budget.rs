@@ -1,7 +1,7 @@
 //! One number of bytes for everything that a scene is made of.
 //!
 //! Texts, pictures, meshes, objects and lights take what they are going to use before they use it, from a budget that
-//! they share; what is left of it is for the film. Whoever finds too little says what needed how much, with its place.
+//! they share; what is left of it is for the film. A reservation that fails is an error that says what needed how much, with its place.
 
 use std::fmt;
 use std::sync::Arc;
@@ -96,7 +96,7 @@ impl MemoryBudget {
         self.shared.limit.saturating_sub(self.used())
     }
 
-    /// Whether somebody asked for more than there was.
+    /// Whether a reservation has failed.
     pub fn was_exceeded(&self) -> bool {
         self.shared.was_exceeded.load(Ordering::Relaxed)
     }

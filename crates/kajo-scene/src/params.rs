@@ -138,7 +138,7 @@ impl<'a, 'd> Params<'a, 'd> {
         self.item?.word().map(|word| word.text())
     }
 
-    /// Whether an item called `key` is there that nobody has asked for yet.
+    /// Whether an item called `key` is there that has not been read yet.
     pub fn has(&self, key: &str) -> bool {
         self.children.iter().any(|child| !child.used && child.item.keyword() == key)
     }
@@ -219,7 +219,7 @@ impl<'a, 'd> Params<'a, 'd> {
         self.take_if(&|item| keys.contains(&item.keyword()))
     }
 
-    /// Reports items that nobody has asked for and that `error` knows, instead of calling them unknown.
+    /// Reports items that have not been read and for which `error` has a diagnostic, instead of calling them unknown.
     pub fn elsewhere(&mut self, error: impl Fn(Item<'a>) -> Option<Diagnostic>) {
         for child in self.children.iter_mut().filter(|child| !child.used) {
             if let Some(error) = error(child.item) {

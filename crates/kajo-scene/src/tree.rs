@@ -1,7 +1,7 @@
 //! A scene as a uniform tree of items, each with its place.
 //!
 //! An item is a keyword, at most one word or string, numbers, and a block of
-//! further items. What keywords mean is for others to say. Items lie in one
+//! further items. The compiler interprets keywords. Items lie in one
 //! array in pre-order and know where their subtree ends; numbers lie in
 //! another. Text is not copied: words are spans of the kept sources.
 

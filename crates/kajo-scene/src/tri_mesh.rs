@@ -62,7 +62,7 @@ pub struct MeshReport {
     pub zeroed: usize,
     /// Statements that are not read: those of lines, points and curves, and unknown ones.
     pub skipped: Skipped,
-    /// What else the file has and nobody uses, one sentence each.
+    /// What else the file has that is not supported, one sentence each.
     pub left_out: Vec<String>,
 }
 

@@ -83,13 +83,13 @@ pub enum Shown {
 /// A sentence for the status bar.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// What there is to say.
+    /// The message.
     pub text: String,
     /// Whether something went wrong.
     pub is_error: bool,
 }
 
-/// Layers that every trace records beside the light: whoever looks at one of them traces nothing anew.
+/// Layers that every trace records beside the light: to show one of them nothing is traced anew.
 const ALWAYS: [View; 7] =
     [View::Samples, View::Variance, View::Depth, View::Normals, View::Uv, View::Object, View::Material];
 
@@ -139,7 +139,7 @@ pub struct Studio {
     pub tracer: Tracer,
     /// The frame on show, and the keys of the scene.
     pub time_line: TimeLine,
-    /// The newest thing to say.
+    /// The newest message.
     pub notice: Option<Notice>,
     /// Pixels of the viewport.
     pub window: [u32; 2],

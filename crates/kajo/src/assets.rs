@@ -18,7 +18,7 @@ use std::time::UNIX_EPOCH;
 use kajo_math::rng::mix;
 use kajo_scene::{AssetError, AssetFile, Assets, Limits, LoadStep, Reopen, nearest, relative_asset};
 
-/// Hears how far the loading of a scene is.
+/// Progress callback of the loading of a scene.
 pub trait LoadProgress: std::fmt::Debug + Send + Sync {
     /// Another piece of a file has been read, or a tree is about to be built.
     fn step(&self, step: LoadStep<'_>);

@@ -1,4 +1,4 @@
-//! From a file to a scene ready to be rendered, with everything there is to say about it.
+//! From a file to a scene ready to be rendered, with all diagnostics.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -30,7 +30,7 @@ pub struct LoadOptions {
     pub memory: Option<u64>,
     /// The name of the camera that takes the picture; the last one of the scene without.
     pub camera: Option<String>,
-    /// Width of the picture over its height, for cameras that fit something into it, where the scene is not to say it.
+    /// Width of the picture over its height, for cameras that fit something into it, in place of that of the scene.
     pub aspect: Option<f64>,
     /// The frame to show, for scenes that change with time; the first one without.
     pub frame: Option<i64>,
@@ -45,7 +45,7 @@ pub struct LoadOptions {
     pub model: ModelOptions,
     /// Whether cameras of models come before those of the scene: so for a model that is no scene.
     pub model_cameras_first: bool,
-    /// Who hears how far it is.
+    /// Progress callback.
     pub progress: Option<Arc<dyn LoadProgress>>,
 }
 

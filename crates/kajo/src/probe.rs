@@ -52,12 +52,12 @@ pub struct Pick {
 
 /// What the camera sees through a place of a picture of `size` pixels; `None` when nothing is there.
 ///
-/// * `place`: in pixels, counted from the top left corner; the middle of the first pixel is (0.5, 0.5)
+/// * `position`: in pixels, counted from the top left corner; the middle of the first pixel is (0.5, 0.5)
 ///
 /// Through a lens one looks by its middle, and at things that move when the shutter opens. What moves nearly as fast as light is where it is
 /// at the moment 0 of the world, which is what previews draw, and not where it is seen.
-pub fn pick(scene: &Scene, camera: &CameraPose, place: DVec2, size: [u32; 2]) -> Option<Pick> {
-    let ray = camera.ray(place, size)?;
+pub fn pick(scene: &Scene, camera: &CameraPose, position: DVec2, size: [u32; 2]) -> Option<Pick> {
+    let ray = camera.ray(position, size)?;
     let (at, point) = scene.trace_snapshot(&ray)?;
     let words = scene.geometry.object(at.object)?;
     Some(Pick {
@@ -103,7 +103,7 @@ impl DebugRay {
 
 /// Follows the light of one sample through a place of the picture, and prepares what the integrator needs for that alone; see [`DebugRays`].
 ///
-/// * `place`: as in [`pick`]
+/// * `position`: as in [`pick`]
 /// * `index`: which of the pixel's samples to take the random numbers of
 ///
 /// # Errors
@@ -112,10 +112,10 @@ pub fn debug_ray(
     scene: &Scene,
     settings: &RenderSettings,
     camera: &CameraPose,
-    place: DVec2,
+    position: DVec2,
     index: u32,
 ) -> Result<DebugRay, SetupError> {
-    DebugRays::new(scene, settings, camera).shooter().shoot(place, index, &Resources::default(), &Silent)
+    DebugRays::new(scene, settings, camera).shooter().shoot(position, index, &Resources::default(), &Silent)
 }
 
 /// What debug rays of a scene with the same settings through the same camera share.
@@ -152,7 +152,7 @@ pub struct DebugShooter<'i> {
 impl DebugShooter<'_> {
     /// Follows the light of one sample through a place of the picture.
     ///
-    /// * `place`, `index`: as for [`debug_ray`]
+    /// * `position`, `index`: as for [`debug_ray`]
     /// * `resources`: threads and memory for what is prepared
     /// * `progress`: is told how much of it is done, and may end it
     ///
@@ -160,7 +160,7 @@ impl DebugShooter<'_> {
     /// [`SetupError`] where it cannot be prepared, or was ended.
     pub fn shoot(
         &mut self,
-        place: DVec2,
+        position: DVec2,
         index: u32,
         resources: &Resources,
         progress: &dyn Progress,
@@ -176,10 +176,10 @@ impl DebugShooter<'_> {
         };
         let mut ctx = SampleContext::new(&sampler, settings.seed);
         let [width, height] = settings.size;
-        let pixel = [place.x as u32, place.y as u32];
+        let pixel = [position.x as u32, position.y as u32];
         let pixel = [pixel[0].min(width.saturating_sub(1)), pixel[1].min(height.saturating_sub(1))];
         ctx.begin(pixel, index);
-        let (sample, trail) = with_state.unwrap_or(&**integrator).trail(&mut ctx, pixel, place.as_vec2());
+        let (sample, trail) = with_state.unwrap_or(&**integrator).trail(&mut ctx, pixel, position.as_vec2());
         Ok(DebugRay {
             segments: trail.segments().to_vec(),
             left_out: trail.left_out(),

@@ -510,7 +510,7 @@ fn layers(scene: &Scene, outputs: &[(View, Format)], settings: &RenderSettings) 
     let of = |(view, format): &(View, Format)| view.layers(*format, settings, n_groups);
     let mut layers: Vec<Layer> = outputs.iter().flat_map(of).collect();
     if layers.is_empty() {
-        // Somebody wants to know how long it takes.
+        // Without outputs the render is only timed.
         layers.push(Layer::Color);
     }
     LayerSet::of(&layers)

@@ -1,4 +1,4 @@
-//! Tracing in the background, from coarse to fine, for whoever wants to look on.
+//! Tracing in the background, from coarse to fine, with each state of the picture to be shown.
 //!
 //! A [`Session`] has a thread of its own that renders the [`Job`] it was given last. It begins with small pictures
 //! of the whole, goes on with passes over the full one, and leaves a [`Frame`] after each:

@@ -26,7 +26,7 @@ const PORT: u16 = 14158;
 /// How long a viewer may keep us waiting.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// How often somebody who waits looks whether to stop.
+/// Interval between two checks whether to stop waiting.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Values in one packet, about.

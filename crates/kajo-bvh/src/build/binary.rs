@@ -61,7 +61,7 @@ impl Twig {
     }
 }
 
-/// A part of the binary tree, parents before children. It knows the twigs of its own spots only.
+/// A part of the binary tree, parents before children. It holds the twigs of its own spots only.
 #[derive(Default)]
 pub(super) struct Grove {
     pub(super) twigs: Vec<Twig>,

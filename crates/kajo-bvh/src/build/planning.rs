@@ -1,4 +1,4 @@
-//! Plans every node of a binary tree, from the leaves up. The costs of a grove are forgotten once it is done.
+//! Plans every node of a binary tree, from the leaves up. The costs of a grove are dropped once it is done.
 
 use rayon::prelude::*;
 

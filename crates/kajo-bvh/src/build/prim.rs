@@ -159,7 +159,7 @@ impl Prims {
             kept
         };
         let blocks = all.par_chunks_mut(BLOCK).enumerate().map(fill);
-        let len = if blocks.reduce(|| true, |a, b| a & b) { count } else { squeeze(&mut all) };
+        let len = if blocks.reduce(|| true, |a, b| a & b) { count } else { compact(&mut all) };
         Prims { all, len }
     }
 
@@ -173,7 +173,7 @@ impl Prims {
 }
 
 /// Moves primitives that are some to the front, in their order, and counts them.
-fn squeeze(prims: &mut [Prim]) -> usize {
+fn compact(prims: &mut [Prim]) -> usize {
     let mut len = 0;
     for i in 0..prims.len() {
         prims[len] = prims[i];

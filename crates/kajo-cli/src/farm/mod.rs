@@ -399,7 +399,7 @@ pub fn manage(args: &FarmCommandArgs) -> Result<(), Failure> {
     }
 }
 
-/// What a worker says to whoever asks it.
+/// The message of an error in the answer of a worker.
 fn in_words(error: &FarmError) -> String {
     console::printable(&error.to_string())
 }

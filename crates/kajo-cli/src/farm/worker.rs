@@ -36,7 +36,7 @@ pub fn worker(args: &WorkerArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Lets other programs of the machine go first: whoever hands out units must be heard, however busy the cores are.
+/// Lets other programs of the machine go first: the coordinator must be answered, however busy the cores are.
 #[cfg(unix)]
 fn give_way() {
     // Without the right to, it renders at the priority it has.
@@ -46,7 +46,7 @@ fn give_way() {
 #[cfg(not(unix))]
 fn give_way() {}
 
-/// Hears requests while a unit is rendered: the end of the input ends the program then, too.
+/// Receives requests while a unit is rendered: the end of the input ends the program then, too.
 fn listen() -> Receiver<Message> {
     let (to, requests) = sync_channel(1);
     let hear = move || {
@@ -66,7 +66,7 @@ fn listen() -> Receiver<Message> {
             }
         }
     };
-    // Without a thread there is nobody to take requests, and the channel is closed.
+    // Without a thread no requests are received, and the channel is closed.
     let _ = thread::Builder::new().name("requests".to_owned()).spawn(hear);
     requests
 }

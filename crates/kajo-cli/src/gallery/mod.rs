@@ -102,7 +102,7 @@ fn is_silent(result: &Result<Rendered, (Failure, String)>) -> bool {
     }
 }
 
-/// Renders one picture; a failure comes with everything there is to say about it.
+/// Renders one picture; a failure comes with all diagnostics.
 ///
 /// * `read`: files that must not be overwritten
 fn render(

@@ -1,4 +1,4 @@
-//! What a brushed metal loses when light that hits it a second time is forgotten.
+//! The energy that the lobe of a brushed metal loses by neglecting multiple scattering.
 //!
 //! As for other metals there is one function `s` of the direction with
 //!

@@ -1,4 +1,4 @@
-//! What a microfacet surface loses when light that hits it a second time is forgotten, and how it is given back.
+//! The energy that a microfacet lobe loses by neglecting multiple scattering, and its compensation.
 //!
 //! **Metals.** With `f` the lobe of perfect mirrors there is one function `s` of the cosine for which
 //!

@@ -11,7 +11,7 @@
 //! `P` is the share of light that passes the layers, which depends on the direction to the viewer only; `s` is the colour of the coat on
 //! one way through it, and `t` is 1, or for a white body with a colour at its surface the square root of that. So a body of albedo 1
 //! below white layers gives back all light, and one whose half space has the reflectance `A` as much as a diffuse base of the colour
-//! `A`; what fills the body is for the medium in it to say. The formula is not symmetric, as that of the layers is not. The surface
+//! `A`; the interior is described by its medium. The formula is not symmetric, as that of the layers is not. The surface
 //! reflects nothing of what comes from inside, as where the indices of both sides are the same.
 
 use kajo_color::Spectrum;

@@ -23,7 +23,7 @@ use crate::shape::Patch;
 /// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
 const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
 
-/// What patches have to know of the emission of their material.
+/// The emission of the material of patches.
 struct PatchEmission {
     /// The radiance, or its mean.
     emission: Emission,
@@ -35,7 +35,7 @@ struct PatchEmission {
     group: LightGroup,
 }
 
-/// What patches have to know of their materials and places.
+/// The materials and positions of patches.
 struct Emissive {
     materials: HashMap<MaterialId, PatchEmission>,
     varied: Vec<VariedEmission>,

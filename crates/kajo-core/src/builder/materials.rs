@@ -138,7 +138,7 @@ impl SceneBuilder {
         self.appearance.list.push((material, name));
     }
 
-    /// Keeps the textures that have names, for whoever asks for one.
+    /// Keeps the textures that have names, to be looked up by these.
     pub(crate) fn name_textures(&mut self, named: HashMap<String, NamedTexture>) {
         self.appearance.named_textures = named;
     }
@@ -183,7 +183,7 @@ impl SceneBuilder {
         &self.appearance.textures
     }
 
-    /// Textures, for whoever reads some, and names of groups.
+    /// Textures, for readers of pictures and patterns, and names of groups.
     pub(crate) fn textures_and_groups(&mut self) -> (&mut Textures, &mut LightGroups) {
         (&mut self.appearance.textures, &mut self.light_groups)
     }

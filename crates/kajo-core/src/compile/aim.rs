@@ -21,7 +21,7 @@ use super::fields::{At, Field, Keys, Optional, Plain, Sources, Typed, keys, poin
 use crate::camera::CameraFrame;
 use crate::schema::{FieldKind, FieldSpec, NumberRange};
 
-/// The share of the picture that `fit` leaves free at each edge unless told otherwise.
+/// The share of the picture that `fit` leaves free at each edge by default.
 const MARGIN: f32 = 0.05;
 
 /// A point of the scene, or something in it.

@@ -17,7 +17,7 @@ pub(super) fn check_cameras(scene: &Scene, diagnostics: &mut Diagnostics) {
         let radius = hole.radius(p) / hole.hole().mass();
         let (message, help) = match hole.observer() {
             BlackHoleObserver::Rests => {
-                let message = "nobody can be at rest where the camera is, and so near a black hole";
+                let message = "nothing can be at rest where the camera is, so near a black hole";
                 (message, "write `observer falls` in the `BlackHole`, or move the camera away from it")
             }
             BlackHoleObserver::Orbits { .. } => {
@@ -70,8 +70,8 @@ mod tests {
 
     #[test]
     fn cameras_are_where_they_can_be() {
-        check("0 0 1.5", "BlackHole m { }", "", "nobody can be at rest");
-        check("0 0 1.9", "BlackHole m { spin 0.9 }", "", "nobody can be at rest");
+        check("0 0 1.5", "BlackHole m { }", "", "nothing can be at rest");
+        check("0 0 1.9", "BlackHole m { spin 0.9 }", "", "nothing can be at rest");
         check("0 0 2.5", "BlackHole m { observer orbits }", "", "no circular orbit");
         check("0 0.2 0", "BlackHole m { spin 0.9 observer falls }", "", "inner horizon");
     }

@@ -193,7 +193,7 @@ fn frames_at(
     if is_still { Vec::new() } else { frames }
 }
 
-/// The error of a scene that nobody looks at.
+/// The error of a scene without a camera.
 pub(super) fn missing() -> Diagnostic {
     let help = "add, for instance, `PerspectiveCamera { fit scene }`, which sees everything, or one that says where it is: \
                 `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";

@@ -126,7 +126,7 @@ impl<V> Typed<V> {
         Typed::with(self.spec.or_texture(block))
     }
 
-    /// The same for a field that says nothing, or is an error, where `key` is not written.
+    /// The same for a field that has no effect, or is an error, where `key` is not written.
     pub const fn only_beside(self, key: &'static str) -> Typed<V> {
         Typed::with(self.spec.only_beside(key))
     }
@@ -141,7 +141,7 @@ impl<V> Typed<V> {
         Typed::with(self.spec.spelling_of(key))
     }
 
-    /// The same for a field that says nothing without the one called `key`, which says nothing without this one.
+    /// The same for a field that has no effect without the one called `key`, which has no effect without this one.
     pub const fn together_with(self, key: &'static str) -> Typed<V> {
         Typed::with(self.spec.together_with(key))
     }
@@ -176,7 +176,7 @@ impl<V> Typed<V> {
         Optional(Typed::with(FieldSpec { absent: Absent::Rule { value, means }, about, ..self.spec }))
     }
 
-    /// A field with the value that holds without it, whose reader wants to know that it is absent.
+    /// A field with the value that holds without it, whose reader distinguishes that it is absent.
     pub const fn presumed(self, constant: Constant, about: &'static str) -> Optional<V> {
         Optional(Typed::with(FieldSpec { absent: Absent::Value(constant), about, ..self.spec }))
     }

@@ -169,8 +169,8 @@ impl Compiler<'_> {
         self.built(data, path, span).inspect(|mesh| store.put_built(digest, mesh.clone()))
     }
 
-    /// Builds the tree of a mesh, unless the scene has failed already: nobody should wait for that to hear of a
-    /// misspelt word.
+    /// Builds the tree of a mesh, unless the scene has failed already: a misspelt word should be reported
+    /// without waiting for that.
     pub(super) fn built(&mut self, data: MeshData, path: &str, span: Span) -> Option<Mesh> {
         if self.has_failed() {
             return None;

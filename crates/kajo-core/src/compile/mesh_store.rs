@@ -1,7 +1,7 @@
-//! Meshes kept from one compilation to the next, for whoever compiles a scene again and again while it is edited.
+//! Meshes kept from one compilation to the next, for a scene that is compiled again and again while it is edited.
 //!
 //! A mesh is known by its file, by what tells the states of that file apart, and by what of it is shown; one of a model, which
-//! may move, by a digest of what it is made of. What a compilation that succeeded did not use is forgotten.
+//! may move, by a digest of what it is made of. What a compilation that succeeded did not use is dropped.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -78,7 +78,7 @@ impl MeshStore {
         self.lock_built().values_mut().for_each(|(_, is_used)| *is_used = false);
     }
 
-    /// A compilation has succeeded: what it did not use is forgotten.
+    /// A compilation has succeeded: what it did not use is dropped.
     pub(super) fn keep_used(&self) {
         self.lock().retain(|_, (_, is_used)| *is_used);
         self.lock_built().retain(|_, (_, is_used)| *is_used);

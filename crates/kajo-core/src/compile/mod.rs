@@ -91,7 +91,7 @@ use crate::settings::{Dialect, Rules, Settings};
 use crate::shape::{AnyShape, ShapeId};
 use crate::texture::{TexelFilter, TiledCopies};
 
-/// What the compiler is told besides the text.
+/// The inputs of the compiler besides the text.
 #[derive(Clone, Debug, Default)]
 pub struct CompileOptions {
     /// The dialect, where it is not to be the scene's own choice.
@@ -117,7 +117,7 @@ pub struct CompileOptions {
     pub meshes: Option<Arc<MeshStore>>,
     /// Where large pictures are kept that are not to be in memory as a whole; without it all are.
     pub tiled: Option<TiledCopies>,
-    /// Names that `integrator` may say. The compiler itself knows none: integrators are made of scenes.
+    /// Names that `integrator` may say. The compiler itself has none: integrators are made of scenes.
     pub integrators: &'static [&'static str],
 }
 

@@ -244,7 +244,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Says which points and lines are not shown because nobody asked for them.
+    /// Warns of points and lines that are not shown because no radius was given.
     fn warn_of_beads(&mut self, model: &Model, radii: BeadRadii, path: &str, at: Span) {
         let parts = || model.meshes.iter().flatten();
         let points: usize = parts().map(|part| part.points.len()).sum();

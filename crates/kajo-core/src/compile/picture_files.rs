@@ -160,7 +160,7 @@ impl PictureReader<'_> {
                         .open(&source, encoding, stamp)
                         .map_err(|error| format!("its tiled copy cannot be read: {error}"))
                 });
-            // Where nobody asked for tiles it stays in memory for as long as there is room.
+            // Unless tiles are required it stays in memory for as long as there is room.
             if opened.is_ok() || copies.rule == TilingRule::All {
                 return opened;
             }

@@ -202,7 +202,7 @@ pub const BLOCK: Block = Block {
     parts: &[],
 };
 
-// What a render takes that nobody asks for anything else.
+// The defaults of a render.
 
 fn size(around: &Around<'_>) -> Option<FieldValue> {
     Some(FieldValue::numbers((around.render)()?.size?.map(f64::from)))

@@ -79,7 +79,7 @@ mod tests {
         found
     }
 
-    /// A word that a reader asks for would hide a value of that name: nobody may ask for one that is not known here.
+    /// A word that a reader asks for would hide a value of that name: all such words are listed here.
     #[test]
     fn every_word_that_is_read_is_known() {
         const ASKS: [&str; 9] = [

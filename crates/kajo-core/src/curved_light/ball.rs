@@ -1,20 +1,20 @@
-//! What light is inside of in tests.
+//! A ball that light is inside of, for tests.
 
 use kajo_math::{Aabb, DVec3, Ray, Vec3};
 
 use super::{Chords, Region};
 
 /// A ball that light is inside of.
-pub(crate) struct Ball {
+pub(crate) struct SphereChords {
     center: DVec3,
     radius: f64,
     /// Chords that it let pass.
     pub passed: Vec<Ray>,
 }
 
-impl Ball {
-    pub fn new(center: DVec3, radius: f64) -> Ball {
-        Ball { center, radius, passed: Vec::new() }
+impl SphereChords {
+    pub fn new(center: DVec3, radius: f64) -> SphereChords {
+        SphereChords { center, radius, passed: Vec::new() }
     }
 
     pub fn region(&self) -> Region {
@@ -23,7 +23,7 @@ impl Ball {
     }
 }
 
-impl Chords for Ball {
+impl Chords for SphereChords {
     fn hit(&mut self, chord: &Ray) -> Option<f32> {
         let (o, d) = (chord.o.as_dvec3() - self.center, chord.d.as_dvec3());
         let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - self.radius * self.radius);

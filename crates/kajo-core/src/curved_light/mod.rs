@@ -8,7 +8,7 @@
 //! ```
 //!
 //! by steps of Dormand and Prince's pair with error control ([`kajo_math::ode`]). Each step is cut into chords that keep within
-//! [`SAG`] of the curve, and whoever asks tests these against the scene's trees, as rays that end ([`Chords`]). Where a chord meets
+//! [`SAG`] of the curve, and the caller tests these against the scene's trees, as rays that end ([`Chords`]). Where a chord meets
 //! something the step is halved until chord and curve agree to single precision, so that the point that is met lies on the curve
 //! and on the surface; the direction of arrival is the tangent there, never the chord. The surface of the body is met like any
 //! other.
@@ -16,7 +16,7 @@
 //! Nothing else is needed for another kind of space: a medium whose [`RayEquation`] is that of geodesics bends light by gravity, its
 //! frequency is shifted by [`RayEquation::frequency_ratio`], and what crosses a horizon has ended ([`RayEquation::ends`]).
 //!
-//! Where somebody asks what a pixel covers, two rays infinitely near go along ([`BundleEnd`]).
+//! Where the footprint of a pixel is needed, two rays infinitely near go along ([`BundleEnd`]).
 
 #[cfg(test)]
 pub(crate) mod ball;

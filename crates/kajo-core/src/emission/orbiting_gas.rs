@@ -73,7 +73,7 @@ impl OrbitingGas {
         if wavelengths.is_spectral() {
             return self.bodies.at(temperature, wavelengths) * self.brightness;
         }
-        // Whoever follows the light multiplies it by the fourth power of the shift by gravity, which its colour does not know.
+        // The step along the curve multiplies the light by the fourth power of the shift by gravity, which this emission leaves out.
         let bolometric = far_away * far_away * far_away * far_away;
         if bolometric <= 0.0 {
             return Spectrum::BLACK;

@@ -3,6 +3,21 @@
 //! Such a light exists for each patch of every object whose material has an `emission`; it is not written on its
 //! own. The power of one side is `pi A L`.
 //!
+//! Two integrals over the points `y` of the patch, of the normal `n`, are estimated by one sample each. The light that arrives at a receiver `x`,
+//!
+//! ```text
+//! integral of  f |cos| V L(y, -wi)  dwi,            dwi = |n . wi| / |x - y|^2 dA
+//! ```
+//!
+//! by `f |cos| V L / pdf_li`, with the density `pdf_li` per solid angle at `x`; and the power that leaves it,
+//!
+//! ```text
+//! integral of  L(y, d) |n . d|  dd dA  =  pi A L    of a side with the same radiance everywhere
+//! ```
+//!
+//! by `L |n . d| / (p_A p_d)`, with the density `p_A` per area of the point and `p_d = |n . d| / pi` per solid angle of the direction, half of that
+//! where both sides give light. So each sample of an even patch that is drawn by area counts `pi A L` for each of its sides.
+//!
 //! Where the radiance differs over the patch, positions are drawn by it: see `emission_density.rs`. A patch that moves is sampled
 //! where it is at the time of the receiver's ray, and its density is that of the moved patch.
 
@@ -202,6 +217,8 @@ impl Emitter for AreaLight {
         self.emission.is_finite() && self.patch.bounds().is_finite()
     }
 
+    /// `pdf = p_A |x - y|^2 / |n . wi|` for points drawn by area; else by solid angle, see [`Patch::sample`], or by a mixture of either with the
+    /// density of the emission, see [`EmissionDensity`].
     #[inline]
     fn sample_li<S: EmissiveSurfaces>(
         &self,
@@ -224,6 +241,7 @@ impl Emitter for AreaLight {
         Some(LightLiSample { wi, radiance, pdf, is_delta: false, at: point })
     }
 
+    /// By the rules of `sample_li`; 0 from a side that gives no light, where that draws nothing.
     #[inline]
     fn pdf_li(&self, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
         let LightPoint::Surface { p, n, .. } = *at else { return 0.0 };
@@ -262,6 +280,7 @@ impl Emitter for AreaLight {
         })
     }
 
+    /// A point by area or emission and a direction by its cosine with the normal; of a surface that rays find, a line through it of which each hit is as likely.
     fn sample_le<S: EmissiveSurfaces>(
         &self,
         time: f32,
@@ -298,6 +317,7 @@ impl Emitter for AreaLight {
         })
     }
 
+    /// `p_A` per area, and `p_d = |n . d| / pi` per solid angle, half of that where both sides give light.
     fn pdf_le(&self, time: f32, at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
         let LightPoint::Surface { p, n, .. } = *at else { return EmissionPdf::default() };
         let cos = n.dot(d);

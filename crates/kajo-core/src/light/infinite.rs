@@ -101,7 +101,7 @@ impl InfiniteLights {
         self.sample_directional((u - share) / (1.0 - share), 1.0 - share)
     }
 
-    /// As [`InfiniteLights::sample`], by a mixture that knows what arrives.
+    /// As [`InfiniteLights::sample`], by a mixture with what is known to arrive.
     pub fn sample_learned(&self, u: f32, arrives: [f32; 3], mixture: Mixture) -> Option<SampledLight> {
         let (is_background, mixture, u) = mixture.step(self.shares_of_background(arrives), u);
         match self.background {

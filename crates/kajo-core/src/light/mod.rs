@@ -81,7 +81,7 @@ pub struct LeavingLight {
 
 /// What lights ask about the surfaces that they are.
 ///
-/// A light knows its geometry; what is painted on a surface is known to the scene, which answers here.
+/// A light has its geometry; the textures of a surface's emission are the scene's, which evaluates them here.
 pub trait EmissiveSurfaces {
     /// The radiance of a point whose surface does not emit the same everywhere.
     ///

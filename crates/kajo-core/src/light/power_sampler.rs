@@ -1,4 +1,12 @@
-//! The choice of the light that a path begins at.
+//! The choice of the light that a path begins at, in proportion to power:
+//!
+//! ```text
+//! P(i) = Φ_i / sum over j of Φ_j
+//! ```
+//!
+//! with the luminous power `Φ` of each light; that of a light infinitely far away is what reaches the bounding sphere of the scene. Light that starts
+//! at light `i`, drawn by its `sample_le` with the densities of `pdf_le`, counts over `P(i)` times these, so the sum over all lights of the light that
+//! leaves them is estimated by one of them. A light of power zero is never chosen; neither is one that stands in another inertial frame.
 
 use kajo_math::Aabb;
 

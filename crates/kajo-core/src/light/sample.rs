@@ -185,8 +185,8 @@ impl LightLeSample {
         self.radiance * (self.cosine() / (self.pdf.position * self.pdf.direction))
     }
 
-    /// Power at a distance over power at the start, for lights whose falloff is not the inverse square. Whoever follows the ray multiplies
-    /// by this at the first vertex.
+    /// Power at a distance over power at the start, for lights whose falloff is not the inverse square. Radiance is multiplied by this
+    /// at the first vertex.
     pub fn share_at(&self, distance: f32) -> f32 {
         if self.attenuation == INVERSE_SQUARE {
             return 1.0;

@@ -6,7 +6,7 @@
 //! sigma_s(x) = sigma_s d(x) c(x),    sigma_a(x) = sigma_a d(x) + sigma_s d(x) (1 - c(x))
 //! ```
 //!
-//! with the density `d` and colours `c` from 0 to 1, interpolated between voxels. Those that are black say nothing: files are
+//! with the density `d` and colours `c` from 0 to 1, interpolated between voxels. Those that are black have no effect: files are
 //! black where there is nothing, and what has an edge would have a dark one.
 //!
 //! Scene: `Media { GridMedium smoke { file smoke.vdb  density 8  albedoGrid Cd } }`
@@ -45,7 +45,7 @@ impl AlbedoGrid {
         }
     }
 
-    /// What the albedo is multiplied by at a world-space point: 1 where no voxel says anything.
+    /// What the albedo is multiplied by at a world-space point: 1 where no voxel has an effect.
     pub fn at(&self, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         rgb_reflectance(self.rgb(p).to_array(), wavelengths)
     }

@@ -6,7 +6,7 @@ use kajo_math::{Aabb, DVec3, Ray, Vec3};
 
 use super::gradient_index::Profile;
 use super::{BlackHole, BlackHoleObserver, GradientIndex, Medium, WormholeMedium, WormholeShape};
-use crate::curved_light::ball::Ball;
+use crate::curved_light::ball::SphereChords;
 use crate::curved_light::{Followed, Outcome, Region};
 use crate::differential::RayDifferential;
 
@@ -20,11 +20,11 @@ struct Trial<'a, M> {
 
 impl<'a, M: Medium> Trial<'a, M> {
     fn within(medium: &'a M, center: DVec3, radius: f64) -> Trial<'a, M> {
-        Trial { medium, center, radius, region: Ball::new(center, radius).region() }
+        Trial { medium, center, radius, region: SphereChords::new(center, radius).region() }
     }
 
     fn follow(&self, ray: &Ray, around: Option<&RayDifferential>) -> Followed {
-        let mut ball = Ball::new(self.center, self.radius);
+        let mut ball = SphereChords::new(self.center, self.radius);
         self.medium.follow(ray, around, &self.region, &Wavelengths::RGB, &mut ball).expect("light is bent")
     }
 }

@@ -97,8 +97,8 @@ pub trait Medium {
         false
     }
 
-    /// Index of refraction at a world-space point at the first wavelength; `None` where the medium has nothing to say of it,
-    /// so that what it fills does.
+    /// Index of refraction at a world-space point at the first wavelength; `None` where the medium leaves the index to
+    /// what it fills.
     fn index(&self, _p: Vec3, _wavelengths: &Wavelengths) -> Option<f32> {
         None
     }

@@ -1,8 +1,8 @@
 //! Bodies that are the two mouths of a wormhole.
 //!
 //! Around each of two places there is a ball in which space is curved; their middles are one throat, so that light that goes into the
-//! one comes out of the other ([`kajo_math::gravity::Wormhole`]). Both balls are filled with this medium, and are one body to
-//! whoever keeps account of what light is inside of: a `Merge`. In a body that is only one of them light is lost.
+//! one comes out of the other ([`kajo_math::gravity::Wormhole`]). Both balls are filled with this medium, and must be one closed body for
+//! the medium stack: a `Merge`. In a body that is only one of them light is lost.
 //!
 //! The metric is still, and clocks agree: nothing is shifted in frequency.
 //!

@@ -1,8 +1,8 @@
 //! Everything that rays can hit, behind three questions: what is closest, is there any, which are all.
 //!
 //! What rests and has bounds stands in a tree of boxes, or for rays from and to one point in its [`ItemBuffer`]; what moves and
-//! what is nested have trees of their own, and what has no bounds is tried one by one. Trees know boxes: the objects
-//! that a ray comes near are tested by whoever asks.
+//! what is nested have trees of their own, and what has no bounds is tried one by one. Trees hold boxes: the objects
+//! that a ray comes near are tested by the caller.
 
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, Ray};

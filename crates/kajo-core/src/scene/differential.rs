@@ -1,4 +1,4 @@
-//! What differentials of rays need to know of a scene: how normals change, and what a footprint is in surface coordinates.
+//! What differentials of rays need of a scene: how normals change, and what a footprint is in surface coordinates.
 
 use kajo_math::{Ray, Vec2, Vec3};
 

@@ -37,6 +37,6 @@ pub struct Interaction {
     pub material: MaterialId,
     /// Moment within the shutter interval.
     pub time: f32,
-    /// What a sample covers of the surface, where whoever followed the ray says so.
+    /// What a sample covers of the surface, where the path carries differentials.
     pub footprint: SurfaceFootprint,
 }

@@ -42,7 +42,7 @@ impl Scene {
         true
     }
 
-    /// [`Scene::trace_into`] for a ray that starts at the surface met last, which `at` still knows, and goes on inside
+    /// [`Scene::trace_into`] for a ray that starts at the surface met last, which `at` still holds, and goes on inside
     /// of it.
     ///
     /// The far side of a sphere is looked for first: few other things are nearer.
@@ -131,7 +131,7 @@ impl Scene {
         at
     }
 
-    /// Works out position, normals and material where `at` knows the primitive and the hit.
+    /// Works out position, normals and material where `at` has the primitive and the hit.
     #[inline]
     pub(super) fn complete(&self, ray: &Ray, at: &mut Interaction) {
         let Some(placed) = self.geometry.primitives.get(at.object.index()) else {

@@ -69,7 +69,7 @@ pub enum FieldKind {
     Function,
     /// The name or number of a material.
     Material,
-    /// The name of an integrator. Whoever knows which there are puts a [`FieldKind::Choice`] in its place.
+    /// The name of an integrator. The facade, which has their list, puts a [`FieldKind::Choice`] in its place.
     Integrator,
 }
 
@@ -255,7 +255,7 @@ pub struct Around<'a> {
     pub is_written: &'a dyn Fn(&str) -> bool,
     /// The scene that the text makes, where there is one.
     pub scene: Option<&'a Scene>,
-    /// What a render of that scene takes for the settings that have a say in it, when nobody asks for anything else.
+    /// The default settings of a render of that scene, where they influence a value.
     pub render: &'a dyn Fn() -> Option<Settings>,
 }
 
@@ -314,7 +314,7 @@ pub struct FieldSpec {
     pub slider: Option<[f64; 2]>,
     /// What holds while it is absent.
     pub absent: Absent,
-    /// A field without which it says nothing, or is an error.
+    /// A field without which it has no effect, or is an error.
     pub needs: Option<&'static str>,
     /// Fields beside which it is an error.
     pub excludes: &'static [&'static str],
@@ -352,7 +352,7 @@ impl FieldSpec {
         FieldSpec { texture: Some(block), ..self }
     }
 
-    /// The same for a field that says nothing, or is an error, where `key` is not written.
+    /// The same for a field that has no effect, or is an error, where `key` is not written.
     pub const fn only_beside(self, key: &'static str) -> FieldSpec {
         FieldSpec { needs: Some(key), ..self }
     }
@@ -367,7 +367,7 @@ impl FieldSpec {
         FieldSpec { same_as: Some(key), ..self }
     }
 
-    /// The same for a field that says nothing without the one called `key`, which says nothing without this one.
+    /// The same for a field that has no effect without the one called `key`, which has no effect without this one.
     pub const fn together_with(self, key: &'static str) -> FieldSpec {
         FieldSpec { pair: Some(key), ..self }
     }

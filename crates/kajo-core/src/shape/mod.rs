@@ -133,7 +133,7 @@ pub trait Surface: Sized {
         None
     }
 
-    /// Whether [`Surface::color_at`] knows colours.
+    /// Whether [`Surface::color_at`] has colours.
     fn has_colors(&self) -> bool {
         false
     }

@@ -16,7 +16,7 @@ use super::{
     TextureDetail, TextureSlope, Textures,
 };
 
-/// A place in the period of a ramp: `frequency t + phase`, of which the fraction counts unless both say nothing.
+/// A place in the period of a ramp: `frequency t + phase`, of which the fraction counts unless both have their defaults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cycle {
     /// How often the ramp is run through while the number goes from 0 to 1.

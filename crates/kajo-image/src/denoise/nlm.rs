@@ -72,7 +72,7 @@ pub fn denoise(picture: &Guided<'_>, threads: usize) -> Result<Image, ImageError
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(band) = bands.get(index) else { return };
-            // Each band is taken once, so nobody waits for it.
+            // Each band is taken once, so no thread waits for it.
             let mut out = band.lock().unwrap_or_else(PoisonError::into_inner);
             planes.smooth(index * BAND, &mut out, &mut scratch);
         }

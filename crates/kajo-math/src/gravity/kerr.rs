@@ -22,7 +22,7 @@
 //!
 //! **Light is followed backwards.** A camera asks where light has come from. Followed into the past it piles up on the horizon of these
 //! coordinates, which are smooth for what falls in. So time is turned around: the movie of light, run backwards, is light that leaves the
-//! camera into the future, around a hole that spins the other way. Whoever asks for the past hands in the opposite spin and the opposite
+//! camera into the future, around a hole that spins the other way. For light from the past, callers hand in the opposite spin and the opposite
 //! velocity of everything that moves.
 
 use crate::DVec3;

@@ -8,7 +8,7 @@
 //!
 //! With the symmetric root of the metric of the slice, `e_i = δ_i + (1/sqrt(1 + f) - 1) k_i k`, it is an orthonormal frame whose
 //! axes are those of the coordinates, as nearly as may be. Everybody else moves in it with a velocity, and has the axes that a Lorentz
-//! boost without rotation makes of them. Who rests in the coordinates moves outwards along `k` with velocity `f`, so that nobody
+//! boost without rotation makes of them. Who rests in the coordinates moves outwards along `k` with velocity `f`, so that no observer
 //! rests where `f >= 1`.
 
 use crate::DVec3;
@@ -37,11 +37,11 @@ fn boosted((frequency, momentum): (f64, DVec3), velocity: DVec3, gamma: f64) -> 
     (gamma * (frequency + along), momentum + pushed * velocity)
 }
 
-/// Light that a moving camera looks along, as somebody at rest beside it sees it: the unit direction to look along there, and the frequency
-/// that the camera sees over that which somebody at rest does.
+/// Light that a moving camera looks along, as an observer at rest beside it sees it: the unit direction to look along there, and the frequency
+/// that the camera sees over that which an observer at rest does.
 ///
 /// * `direction`: unit vector that the camera looks along, in its own frame
-/// * `velocity`: of the camera in the frame of whoever rests, shorter than 1
+/// * `velocity`: of the camera in the frame of the observer at rest, shorter than 1
 pub fn seen_from_rest(direction: DVec3, velocity: DVec3) -> (DVec3, f64) {
     let gamma = 1.0 / (1.0 - velocity.length_squared()).sqrt();
     // Light arrives against the direction that is looked along.
@@ -50,7 +50,7 @@ pub fn seen_from_rest(direction: DVec3, velocity: DVec3) -> (DVec3, f64) {
 }
 
 impl Observer {
-    /// Somebody who moves with a velocity in the frame normal to the slice of constant time.
+    /// An observer who moves with a velocity in the frame normal to the slice of constant time.
     ///
     /// `None` unless the velocity is shorter than 1.
     pub fn moving(kerr: &Kerr, x: DVec3, velocity: DVec3) -> Option<Observer> {
@@ -58,7 +58,7 @@ impl Observer {
         (v2 < 1.0).then(|| Observer { metric: kerr.metric(x), velocity, gamma: 1.0 / (1.0 - v2).sqrt() })
     }
 
-    /// Somebody with this 4-velocity, but for its length; `None` where that is not towards the future and slower than light.
+    /// An observer with this 4-velocity, but for its length; `None` where that is not towards the future and slower than light.
     ///
     /// * `u`: its part in time and those in space
     pub fn of_velocity(kerr: &Kerr, x: DVec3, (time, space): (f64, DVec3)) -> Option<Observer> {
@@ -72,12 +72,12 @@ impl Observer {
         (time > 0.0 && v2 < 1.0).then(|| Observer { metric, velocity, gamma: 1.0 / (1.0 - v2).sqrt() })
     }
 
-    /// Somebody at rest in the coordinates; `None` inside of the ergosphere, where nobody can be.
+    /// An observer at rest in the coordinates; `None` inside of the ergosphere, where none can be.
     pub fn at_rest(kerr: &Kerr, x: DVec3) -> Option<Observer> {
         Observer::rotating(kerr, x, 0.0)
     }
 
-    /// Somebody who goes around the axis on a circle.
+    /// An observer who goes around the axis on a circle.
     ///
     /// * `omega`: angular velocity as seen from far away, right-handed about z
     ///
@@ -87,7 +87,7 @@ impl Observer {
         Observer::of_velocity(kerr, x, (1.0, space))
     }
 
-    /// Somebody without angular momentum who stays at a radius, and is dragged around the axis [Bardeen et al. 1972, eq. 2.5]; `None`
+    /// An observer without angular momentum who stays at a radius, and is dragged around the axis [Bardeen et al. 1972, eq. 2.5]; `None`
     /// inside of the horizon.
     pub fn dragged(kerr: &Kerr, x: DVec3) -> Option<Observer> {
         let (r, a, m) = (kerr.radius(x), kerr.spin(), kerr.mass());
@@ -100,7 +100,7 @@ impl Observer {
         Observer::rotating(kerr, x, 2.0 * m * a * r / (q * q - a * a * delta * sin2))
     }
 
-    /// Somebody who has fallen freely from rest at infinity, without angular momentum; at home inside of the horizon too.
+    /// An observer who has fallen freely from rest at infinity, without angular momentum; at home inside of the horizon too.
     ///
     /// The covector of the velocity is `-dt + u_r dr` with `u_r = -sqrt(2 M r) / (sqrt(r² + a²) + sqrt(2 M r))`
     /// [Doran 2000, in these coordinates].
@@ -108,13 +108,13 @@ impl Observer {
         Observer::radial(kerr, x, |fall, space| -fall / (space + fall))
     }
 
-    /// The same run backwards in time: somebody who leaves the hole and comes to rest at infinity. `None` inside of the horizon.
+    /// The same run backwards in time: an observer who leaves the hole and comes to rest at infinity. `None` inside of the horizon.
     pub fn escaping(kerr: &Kerr, x: DVec3) -> Option<Observer> {
         let outside = kerr.radius(x) > kerr.horizon();
         outside.then(|| Observer::radial(kerr, x, |fall, space| fall / (space - fall)))?
     }
 
-    /// Somebody with the covector `-dt + u_r dr`.
+    /// An observer with the covector `-dt + u_r dr`.
     fn radial(kerr: &Kerr, x: DVec3, u_r: impl Fn(f64, f64) -> f64) -> Option<Observer> {
         let metric = kerr.metric(x);
         let (r, a) = (metric.r, kerr.spin());
@@ -133,7 +133,7 @@ impl Observer {
         (time, along - time * f / (1.0 + f) * k)
     }
 
-    /// The velocity of somebody else at this place, in this frame.
+    /// The velocity of another observer at this place, in this frame.
     pub fn velocity_of(&self, other: &Observer) -> DVec3 {
         // Something that rests with the other, as a vector of energy and momentum that is not light but is boosted alike.
         let (energy, momentum) = (other.gamma, other.gamma * other.velocity);
@@ -167,7 +167,7 @@ impl Observer {
 
     /// A covector of space in this frame, such as the normal of a surface at rest, of which the components in the coordinates are these.
     ///
-    /// For somebody at rest in the coordinates; the metric of space there is `δ + f/(1 - f) k k`.
+    /// For an observer at rest in the coordinates; the metric of space there is `δ + f/(1 - f) k k`.
     pub fn covector(&self, n: DVec3) -> DVec3 {
         let KerrMetric { f, k, .. } = self.metric;
         stretched(n, k, (1.0 - f).max(0.0).sqrt())

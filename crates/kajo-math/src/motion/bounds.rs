@@ -1,6 +1,6 @@
 //! Boxes around what moves.
 //!
-//! A tree over moving boxes wants them to move steadily: corners `(1 - s) p_open + s p_close` over the shutter. Where
+//! A tree over moving boxes needs them to move steadily: corners `(1 - s) p_open + s p_close` over the shutter. Where
 //! the motion is smooth, a chord over a step `h` in time is nowhere farther from a point's path than
 //!
 //! ```text

@@ -55,7 +55,7 @@ impl Pose {
 
 /// The way from one pose to another: all three parts at constant speed, the rotation by the shorter arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub struct PoseSegment {
     from: Pose,
     /// What is added to the translation.
     shift: DVec3,
@@ -66,9 +66,9 @@ pub struct Segment {
     strain: DMat3,
 }
 
-impl Segment {
+impl PoseSegment {
     /// `None` when one pose mirrors and the other does not: everything would be flat in between.
-    pub fn between(from: &Pose, to: &Pose) -> Option<Segment> {
+    pub fn between(from: &Pose, to: &Pose) -> Option<PoseSegment> {
         if from.mirrors() != to.mirrors() {
             return None;
         }
@@ -79,7 +79,7 @@ impl Segment {
         let turns = angle > NOTHING;
         let strain = to.stretch - from.stretch;
         let strains = largest(&strain) > NOTHING * largest(&from.stretch);
-        Some(Segment {
+        Some(PoseSegment {
             from: *from,
             shift: to.translation - from.translation,
             axis: if turns { v.normalize() } else { DVec3::Z },
@@ -194,7 +194,7 @@ mod tests {
         for k in 0..200 {
             let ends = [random(3 * k), random(3 * k + 300)];
             let poses = ends.map(|m| Pose::of(&m).expect("it has an inverse"));
-            let way = Segment::between(&poses[0], &poses[1]).expect("both mirror");
+            let way = PoseSegment::between(&poses[0], &poses[1]).expect("both mirror");
             for (u, end) in [(0.0, ends[0]), (1.0, ends[1])] {
                 let m = way.at(u);
                 assert!(largest(&(m.matrix3 - end.matrix3)) < 1e-11 * norm(&end.matrix3), "{k}");
@@ -212,7 +212,7 @@ mod tests {
                 assert!(within(at(u), size) && within(slope, first) && within(bend, second), "{k}");
             }
         }
-        let mixed = Segment::between(&Pose::of(&random(0)).unwrap(), &Pose::of(&random(1)).unwrap());
+        let mixed = PoseSegment::between(&Pose::of(&random(0)).unwrap(), &Pose::of(&random(1)).unwrap());
         assert!(mixed.is_none(), "a mirror image is never reached");
     }
 
@@ -220,7 +220,7 @@ mod tests {
     fn a_quarter_turn_is_uniform_and_rigid() {
         let quarter = DAffine3::from_mat3(turn(DVec3::Z, std::f64::consts::FRAC_PI_2));
         let poses = [DAffine3::IDENTITY, quarter].map(|m| Pose::of(&m).unwrap());
-        let way = Segment::between(&poses[0], &poses[1]).unwrap();
+        let way = PoseSegment::between(&poses[0], &poses[1]).unwrap();
         for i in 0..=10 {
             let u = f64::from(i) / 10.0;
             let p = way.at(u).transform_vector3(DVec3::X);
@@ -229,6 +229,6 @@ mod tests {
             assert!(is_rotation(&way.at(u).matrix3));
         }
         assert!(!way.is_still() && !way.is_half_turn());
-        assert!(Segment::between(&poses[1], &poses[1]).unwrap().is_still());
+        assert!(PoseSegment::between(&poses[1], &poses[1]).unwrap().is_still());
     }
 }

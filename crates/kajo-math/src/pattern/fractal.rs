@@ -72,7 +72,7 @@ impl Octaves {
         })
     }
 
-    /// The share of the variance of the octaves, which know nothing of each other, that is faded.
+    /// The share of the variance of the octaves, which are independent, that is faded.
     fn faded(&self, width: f32) -> f32 {
         let frequency = |i: u32| self.lacunarity.powi(i as i32);
         let part = |i: u32| (self.gain.powi(i as i32), passed(width, frequency(i)));

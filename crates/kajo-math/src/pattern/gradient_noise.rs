@@ -32,7 +32,7 @@ pub fn noise(q: Vec3, seed: u32) -> f32 {
     lerp(u, plane(0, fx), plane(1, fx - 1.0))
 }
 
-/// Three noises that know nothing of each other.
+/// Three independent noises.
 pub fn noise_vector(q: Vec3, seed: u32) -> Vec3 {
     // Moved, since each is zero at its lattice points.
     let shifted = |k: u32| noise(q + SHIFT * k as f32, seed.wrapping_add(k));

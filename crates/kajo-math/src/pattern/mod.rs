@@ -5,7 +5,7 @@
 //! lanes and graphics cards can follow the same source.
 //!
 //! A feature that is repeated `f` times per unit cannot be told from noise where samples lie farther apart than `1 / (2 f)`. A pattern
-//! is therefore told the distance `w` between samples, and fades what it repeats from `w f = 1/4` on, until at `w f = 1/2` its mean is
+//! therefore takes the distance `w` between samples, and fades what it repeats from `w f = 1/4` on, until at `w f = 1/2` its mean is
 //! left ([`passed`]) [Norton, Rockwood and Skolmoski 1982; Ebert et al. 2003, chapter 2]. Sums of octaves do so octave by octave. With
 //! `w = 0` a pattern is what its equation says. How much it varies between samples beyond what is left of it, is known about
 //! ([`SolidPattern::lost`]): by it functions of the pattern can be averaged.
@@ -238,7 +238,7 @@ impl SolidPattern {
     }
 }
 
-/// The sum of the squares of what is not `passed` of parts that know nothing of each other, by that of all of them.
+/// The sum of the squares of what is not `passed` of independent parts, by that of all of them.
 ///
 /// * `parts`: their sizes, and how much of each passes
 fn faded_share(parts: impl Iterator<Item = (f32, f32)>) -> f32 {

@@ -376,7 +376,7 @@ def _value(value: object) -> str:
 
 @contextmanager
 def _bar(progress: Progress) -> Iterator[Callable[[float], object] | None]:
-    """Who is told of progress: a function, or a bar."""
+    """Progress callback: a function, or a bar."""
     if progress is False or progress is True:
         if not progress:
             yield None

@@ -66,7 +66,7 @@ pub struct Film {
     chains: Mutex<ChainCounts>,
 }
 
-/// What a film knows about one cell of its grid.
+/// What a film holds of one cell of its grid.
 #[derive(Debug, Default)]
 struct Block {
     camera: Camera,

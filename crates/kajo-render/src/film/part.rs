@@ -86,7 +86,7 @@ impl FilmPart {
         self.non_finite = 0;
     }
 
-    /// The pixels that the part knows about: those of the tile and the border that its samples reach.
+    /// The pixels that the part holds: those of the tile and the border that its samples reach.
     pub fn rect(&self) -> Rect {
         match &self.store {
             Store::Sums(sums) => sums.rect,

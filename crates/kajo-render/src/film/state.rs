@@ -50,7 +50,7 @@ impl Film {
             let start = |first: usize| {
                 let (to, from) = sync_channel(1);
                 let mut mine = (first..runs).step_by(encoders);
-                // Nobody listens once the writer has failed.
+                // The channel is closed once the writer has failed.
                 let encode = move || mine.try_for_each(|run| to.send(self.encoded(run)));
                 thread::Builder::new().spawn_scoped(scope, encode).ok().map(|_| from)
             };

@@ -339,7 +339,7 @@ impl Sums {
 /// How samples are spread in a region: averages over its pixels and the three channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spread {
-    /// Pixels with at least two samples; the others say nothing.
+    /// Pixels with at least two samples; the others have no estimate of variance.
     pub pixels: f64,
     /// Mean of the samples.
     pub mean: f64,

@@ -67,7 +67,7 @@ const MOST_PATHS: u32 = 1 << 18;
 
 /// Where a ray is on its way: what later light is multiplied by, and through what it travels.
 #[derive(Clone, Copy)]
-struct Path {
+struct BranchState {
     bounces_left: u32,
     /// Paths into which this one may still fork, itself included.
     paths_left: u32,
@@ -133,7 +133,7 @@ impl<'a> Classic<'a> {
     fn li<O: PathObserver>(
         &self,
         ray: Ray,
-        path: Path,
+        path: BranchState,
         at: &mut Interaction,
         mut hits: bool,
         observer: &mut O,
@@ -146,8 +146,11 @@ impl<'a> Classic<'a> {
             let branch = match branches {
                 (None, None) => {
                     // Most paths never fork, and ask for no list.
-                    let waiting =
-                        if n_waiting > 0 { scratch.get::<Vec<Fork<O::Mark>>>().pop() } else { None };
+                    let waiting = if n_waiting > 0 {
+                        scratch.get::<Vec<PendingRefraction<O::Mark>>>().pop()
+                    } else {
+                        None
+                    };
                     let Some(fork) = waiting else { return walk.light };
                     n_waiting -= 1;
                     observer.back_to(fork.mark);
@@ -163,7 +166,7 @@ impl<'a> Classic<'a> {
                     refracted(behind, observer)
                 }
                 (Some(_), Some(_)) if observer.interrupted() => {
-                    scratch.get::<Vec<Fork<O::Mark>>>().clear();
+                    scratch.get::<Vec<PendingRefraction<O::Mark>>>().clear();
                     return walk.light;
                 }
                 (Some(mut mirrored), Some(mut behind)) => {
@@ -173,8 +176,8 @@ impl<'a> Classic<'a> {
                     let (mark, weight) = (observer.mark(), walk.beta * mirrored.factor);
                     observer.weaken(|| weight.to_rgb());
                     let FollowedPath { light, beta, .. } = walk;
-                    let fork = Fork { light, beta, weight, refracted: behind, at: *at, mark };
-                    scratch.get::<Vec<Fork<O::Mark>>>().push(fork);
+                    let fork = PendingRefraction { light, beta, weight, refracted: behind, at: *at, mark };
+                    scratch.get::<Vec<PendingRefraction<O::Mark>>>().push(fork);
                     n_waiting += 1;
                     (walk.light, walk.beta) = (Spectrum::BLACK, Spectrum::WHITE);
                     Branch { factor: Spectrum::WHITE, ..mirrored }
@@ -297,7 +300,7 @@ impl<'a> Classic<'a> {
         }
     }
 
-    fn mirrored(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &Path) -> Option<Branch> {
+    fn mirrored(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &BranchState) -> Option<Branch> {
         let mut factor = phong.reflective;
         if (self.settings.fresnel || self.settings.total_reflection) && !phong.transparent.is_black() {
             factor += phong.transparent * self.mirrored_share(ray, at, phong, path);
@@ -306,7 +309,7 @@ impl<'a> Classic<'a> {
         Some(self.branch(ray, at, fresnel::reflect(ray.d, at.point.n), factor, path))
     }
 
-    fn refracted(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &Path) -> Option<Branch> {
+    fn refracted(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &BranchState) -> Option<Branch> {
         if phong.transparent.is_black() || path.bounces_left == 0 {
             return None;
         }
@@ -315,12 +318,13 @@ impl<'a> Classic<'a> {
         let passing =
             if self.settings.fresnel { 1.0 - self.mirrored_share(ray, at, phong, path) } else { 1.0 };
         let factor = phong.transparent * passing;
-        let beyond = Path { eta: crossing.eta_far, inside: crossing.enters, ..self.after(factor, path)? };
+        let beyond =
+            BranchState { eta: crossing.eta_far, inside: crossing.enters, ..self.after(factor, path)? };
         Some(self.branch(ray, at, d, factor, beyond))
     }
 
     /// The share of the transmitted light that is mirrored instead.
-    fn mirrored_share(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &Path) -> f32 {
+    fn mirrored_share(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &BranchState) -> f32 {
         let crossing = Crossing::of(ray, at, phong);
         let eta = crossing.eta_far / path.eta;
         if self.settings.fresnel {
@@ -333,7 +337,7 @@ impl<'a> Classic<'a> {
     }
 
     /// The path behind a surface that multiplies light by `factor`, if anything of that could be seen.
-    fn after(&self, factor: Spectrum, path: &Path) -> Option<Path> {
+    fn after(&self, factor: Spectrum, path: &BranchState) -> Option<BranchState> {
         if path.bounces_left == 0 || factor.is_black() {
             return None;
         }
@@ -341,17 +345,17 @@ impl<'a> Classic<'a> {
         if weight < self.settings.weight {
             return None;
         }
-        Some(Path { bounces_left: path.bounces_left - 1, weight, ..*path })
+        Some(BranchState { bounces_left: path.bounces_left - 1, weight, ..*path })
     }
 
     /// A further ray from `at`.
-    fn branch(&self, ray: &Ray, at: &Interaction, d: Vec3, factor: Spectrum, path: Path) -> Branch {
+    fn branch(&self, ray: &Ray, at: &Interaction, d: Vec3, factor: Spectrum, path: BranchState) -> Branch {
         let ray = at.point.ray_towards(d, f32::INFINITY, ray.time, self.settings.ray_offset);
         Branch { ray, factor, path }
     }
 
     /// `behind` as it is seen through the fog along the first `t` of a ray.
-    fn through_fog(&self, ray: &Ray, t: f32, path: &Path, behind: Spectrum) -> Spectrum {
+    fn through_fog(&self, ray: &Ray, t: f32, path: &BranchState, behind: Spectrum) -> Spectrum {
         match &self.scene.lighting.fog {
             Some(fog) if !path.inside => fog.seen_through(behind, ray.o, ray.d, t.max(0.0)),
             _ => behind,
@@ -359,7 +363,7 @@ impl<'a> Classic<'a> {
     }
 
     /// What remains of light from behind the first `t` of a ray.
-    fn fog_factor(&self, ray: &Ray, t: f32, path: &Path) -> f32 {
+    fn fog_factor(&self, ray: &Ray, t: f32, path: &BranchState) -> f32 {
         match &self.scene.lighting.fog {
             Some(fog) if !path.inside => fog.transmittance(ray.o, ray.d, t.max(0.0)),
             _ => 1.0,
@@ -383,14 +387,14 @@ impl<'a> Classic<'a> {
 struct Branch {
     ray: Ray,
     factor: Spectrum,
-    path: Path,
+    path: BranchState,
 }
 
 /// A path while it is followed.
 struct FollowedPath {
     /// The ray that has been followed last.
     ray: Ray,
-    path: Path,
+    path: BranchState,
     /// Light found since the last fork.
     light: Spectrum,
     /// What later light is multiplied by.
@@ -398,7 +402,7 @@ struct FollowedPath {
 }
 
 /// A surface whose refracted branch waits until the mirrored one has been followed to its ends.
-struct Fork<M> {
+struct PendingRefraction<M> {
     /// Light of the path up to there.
     light: Spectrum,
     /// Its throughput there.
@@ -452,7 +456,7 @@ impl Integrator for Classic<'_> {
     ) -> PixelSample {
         let Some(ray) = self.view.ray(raster, &mut ctx.draws) else { return PixelSample::default() };
         observer.counters().camera += 1;
-        let path = Path {
+        let path = BranchState {
             bounces_left: self.settings.bounces,
             paths_left: MOST_PATHS,
             weight: 1.0,

@@ -61,7 +61,9 @@ use crate::{LayerSet, PixelSample, SampleContext, Setup, SetupError, WithState};
 pub use guiding::GuidedPath;
 pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
-pub(super) use tracer::{CameraPath, DiffuseVertex, Indirect, IndirectLight, Leaving, PathTracer, Worth};
+pub(super) use tracer::{
+    CameraPath, DiffuseVertex, GuidedDirection, Indirect, IndirectLight, PathTracer, Worth,
+};
 use tracer::{Casters, Fork, Sampled, ThroughGlass};
 
 /// The path tracer over one scene and one picture size.

@@ -58,7 +58,7 @@ pub enum Quantity {
     Geometry,
 }
 
-/// Where a render starts from when neither the scene nor the user says anything.
+/// The defaults of a render that neither the scene nor the user overrides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Defaults {
     /// The course program's: 100 × 100 pixels, one ray through the middle of each, no bounces, no shadows,

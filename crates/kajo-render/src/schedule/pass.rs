@@ -110,7 +110,7 @@ pub(super) struct PassShare {
     pub samples: u64,
     /// Rays cast before.
     pub rays: u64,
-    /// Samples in all, as far as one knows.
+    /// Samples in all, as far as they are known.
     pub samples_in_all: u64,
     /// Throw away what an interrupted unit has so far, so that the film holds whole units only.
     pub whole_units: bool,

@@ -64,7 +64,7 @@ pub struct Model {
     pub cameras: Vec<ModelCamera>,
     /// The animation that it was posed by, if it was.
     pub animation: Option<ModelAnimation>,
-    /// What the file has and nobody uses, one sentence each.
+    /// What the file has that is not supported, one sentence each.
     pub left_out: Vec<String>,
 }
 

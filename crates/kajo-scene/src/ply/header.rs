@@ -246,7 +246,7 @@ impl Header {
         element.is_some_and(|element| ColorColumns::of(element).is_some())
     }
 
-    /// What the file has and nobody uses.
+    /// What the file has that is not supported.
     pub fn left_out(&self) -> Vec<String> {
         let has = |element: &str, property: &str| {
             self.elements.iter().any(|e| e.name == element && e.properties.iter().any(|p| p.name == property))

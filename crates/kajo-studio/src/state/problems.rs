@@ -1,4 +1,4 @@
-//! What the reader of scenes has to say, ready to be shown beside the text.
+//! The diagnostics of the scene, ready to be shown beside the text.
 
 use kajo::{Diagnostics, Severity, Sources};
 

@@ -41,7 +41,7 @@ pub struct Habits {
     pub live: bool,
     /// Whether samples are added without end.
     pub endless: bool,
-    /// Whether a trace records layers that nobody looks at.
+    /// Whether a trace records layers that are not shown.
     pub all_layers: bool,
     /// Size of the picture.
     pub size: PictureSize,

@@ -20,7 +20,7 @@ pub struct TurntableOrder {
     stop: Arc<AtomicBool>,
 }
 
-/// Ends the work once somebody wants it to.
+/// Ends the work once it is cancelled.
 struct Stoppable(Arc<AtomicBool>);
 
 impl Progress for Stoppable {
@@ -32,7 +32,7 @@ impl Progress for Stoppable {
 }
 
 impl TurntableOrder {
-    /// Renders and writes all pictures, on a thread of its own; returns what to say.
+    /// Renders and writes all pictures, on a thread of its own; returns a message.
     pub fn carry_out(self) -> Result<String, String> {
         priority::give_way();
         let resources = Resources { threads: self.threads, ..Resources::default() };

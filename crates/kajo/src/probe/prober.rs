@@ -29,7 +29,7 @@ struct Order {
     number: u64,
     /// Compared by its address.
     subject: Arc<ProbeSubject>,
-    place: DVec2,
+    position: DVec2,
     index: u32,
 }
 
@@ -46,7 +46,7 @@ struct Shared {
     state: Mutex<State>,
     /// Told of every new order.
     changed: Condvar,
-    /// Whether nobody wants what is being prepared any more.
+    /// Whether what is being prepared is no longer needed.
     is_unwanted: AtomicBool,
     /// Tasks of the preparation that are done, and how many there are.
     prepared: [AtomicU32; 2],
@@ -98,8 +98,8 @@ impl Prober {
 
     /// Asks for a ray in place of any that was asked for before.
     ///
-    /// * `place`, `index`: as for [`DebugShooter::shoot`](super::DebugShooter::shoot)
-    pub fn shoot(&self, subject: &Arc<ProbeSubject>, place: DVec2, index: u32) {
+    /// * `position`, `index`: as for [`DebugShooter::shoot`](super::DebugShooter::shoot)
+    pub fn shoot(&self, subject: &Arc<ProbeSubject>, position: DVec2, index: u32) {
         let mut state = self.shared.lock();
         state.last += 1;
         state.result = None;
@@ -108,7 +108,7 @@ impl Prober {
             self.shared.is_unwanted.store(true, Ordering::Relaxed);
             self.shared.set_prepared([0, 0]);
         }
-        state.next = Some(Order { number: state.last, subject: Arc::clone(subject), place, index });
+        state.next = Some(Order { number: state.last, subject: Arc::clone(subject), position, index });
         state.is_awaited = self.thread.is_some();
         if self.thread.is_none() {
             state.next = None;
@@ -223,8 +223,8 @@ impl Shared {
         let mut shooter = rays.shooter();
         let resources = Resources { threads: self.threads, ..Resources::default() };
         let mut order = Some(first);
-        while let Some(Order { number, place, index, .. }) = order {
-            let result = shooter.shoot(place, index, &resources, self);
+        while let Some(Order { number, position, index, .. }) = order {
+            let result = shooter.shoot(position, index, &resources, self);
             self.publish(number, result);
             order = self.next_of_subject();
         }

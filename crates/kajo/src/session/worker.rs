@@ -33,7 +33,7 @@ pub(super) struct Shared {
     state: Mutex<State>,
     /// Told of every change of the state.
     pub changed: Condvar,
-    /// Number of the job that is wanted; whoever renders another one stops.
+    /// Number of the job that is wanted; a thread that renders another one stops.
     pub current: AtomicU64,
     /// Bits of the share of samples taken.
     progress: AtomicU32,
@@ -47,7 +47,7 @@ pub(super) struct State {
     pub next: Option<(u64, Job)>,
     pub status: Status,
     pub frame: Option<Arc<Frame>>,
-    /// Frames that were shown before, and that somebody may still hold.
+    /// Frames that were shown before, and that callers may still hold.
     retired: Vec<Arc<Frame>>,
     /// Whether the thread is to end.
     pub is_over: bool,
@@ -79,7 +79,7 @@ impl Shared {
         self.progress.store(share.to_bits(), Ordering::Relaxed);
     }
 
-    /// Frees the frames that nobody holds any more. Films are large enough for that to take longer than a window may
+    /// Frees the frames that no caller holds any more. Films are large enough for that to take longer than a window may
     /// stand still, so this thread does it, after it has told of a newer frame.
     fn free_retired(&self) {
         let unheld: Vec<_> =
@@ -227,7 +227,7 @@ impl Run<'_> {
     }
 }
 
-/// Keeps the session's progress, and stops a run that nobody wants any more.
+/// Keeps the session's progress, and stops a run that is no longer needed.
 struct Watch<'a> {
     run: &'a Run<'a>,
     is_coarse: bool,

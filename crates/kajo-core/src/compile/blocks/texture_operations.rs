@@ -235,7 +235,7 @@ fn number_operand(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Opt
     texture.number(sources.textures.nodes)
 }
 
-/// The colours of a ramp, for whoever shows it.
+/// The colours of a ramp, for display.
 ///
 /// * `stops`: as for [`Colors::new`]
 /// * `interpolation`: the word for what is between them

@@ -138,7 +138,7 @@ fn a_few_pieces_stand_for_those_of_a_large_object() {
     };
     let all: Vec<_> = sampler.list()[16..].iter().map(|&id| (id, 1.0)).collect();
     assert!((light(many) / light(&all) - 1.0).abs() < 0.05, "{} {}", light(many), light(&all));
-    // Without light there is nobody to ask.
+    // Without light none is chosen.
     for area in &mut lights.areas {
         area.emission = Emission::BLACK;
     }

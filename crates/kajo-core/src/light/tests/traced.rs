@@ -30,7 +30,7 @@ fn light_of(blob: &Blob, map: &DAffine3, sides: Sides) -> AreaLight {
     emission::area(patches.remove(0), sides)
 }
 
-/// Two balls that say nothing where the other one is.
+/// Two balls of which neither has support where the other one is.
 const PAIR: [DVec3; 2] = [DVec3::new(-1.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.0)];
 
 fn skewed() -> DAffine3 {

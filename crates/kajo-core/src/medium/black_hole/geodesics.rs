@@ -87,7 +87,7 @@ impl RayEquation for Geodesics<'_> {
         let energy = metric.energy(p, self.follows_future());
         let (dx, dp) = self.space.chart.flow_at(&metric, x, p, energy);
         let [dx, dp] = [dx, dp].map(|v| self.space.vector_in_world(v));
-        // The proper length to whoever has the slice of constant time for space, which is finite at the horizon.
+        // The proper length in the slice of constant time, which is finite at the horizon.
         let length = metric.normal_frequency(p);
         let KerrMetric { f, k, .. } = metric;
         let time = (energy + f * (energy + k.dot(p))).abs();

@@ -8,10 +8,10 @@ use kajo_math::rng::Stream;
 use kajo_math::{DVec3, Ray, Vec3};
 
 use super::*;
-use crate::curved_light::ball::Ball;
+use crate::curved_light::ball::SphereChords;
 use crate::curved_light::{Outcome, position};
 
-fn through(medium: &GradientIndex, ball: &mut Ball, o: DVec3, d: DVec3) -> Followed {
+fn through(medium: &GradientIndex, ball: &mut SphereChords, o: DVec3, d: DVec3) -> Followed {
     let ray = Ray::new(o.as_vec3(), d.normalize().as_vec3());
     follow(&medium.at(&Wavelengths::RGB), &ray, None, &ball.region(), ball)
 }
@@ -33,7 +33,7 @@ fn parallel_rays_meet_at_the_far_side_of_a_luneburg_ball() {
     for i in 0..40 {
         let h = uniform(i, 0, [-0.95, 0.95]);
         let start = center + 2.0 * DVec3::new(-(1.0 - h * h).sqrt(), h, 0.0);
-        let mut ball = Ball::new(center, 2.0);
+        let mut ball = SphereChords::new(center, 2.0);
         let followed = through(&medium, &mut ball, start + 1e-6 * DVec3::X, DVec3::X);
         assert_eq!(followed.outcome, Outcome::Meets);
         let off = end(&followed).distance(center + 2.0 * DVec3::X);
@@ -142,7 +142,7 @@ fn rays_in_a_linear_square_are_parabolas() {
             (uniform(i, 0, [1.2, 1.6]), uniform(i, 1, [-0.3, 0.3]), uniform(i, 2, [-0.7, 0.7]));
         let (origin, gradient) = (DVec3::new(0.0, 0.0, 0.0), DVec3::new(0.0, 0.0, g));
         let medium = GradientIndex::new(Profile::Linear { origin, index: n0, gradient });
-        let mut ball = Ball::new(DVec3::ZERO, 1.0);
+        let mut ball = SphereChords::new(DVec3::ZERO, 1.0);
         let followed = through(&medium, &mut ball, DVec3::ZERO, DVec3::new(cos64(angle), 0.0, sin64(angle)));
         assert_eq!(followed.outcome, Outcome::Meets);
         let p = end(&followed);
@@ -325,7 +325,7 @@ fn the_horizon_is_lifted_by_the_known_angle() {
         let air = tape.mul(air, Node::Constant(2.77e-4));
         tape.add(air, Node::Constant(1.0))
     }));
-    let mut atmosphere = Ball::new(DVec3::ZERO, 6371.0 + 200.0);
+    let mut atmosphere = SphereChords::new(DVec3::ZERO, 6371.0 + 200.0);
     let followed = through(&medium, &mut atmosphere, DVec3::new(0.0, 6371.0, 0.0), DVec3::X);
     assert_eq!(followed.outcome, Outcome::Meets);
     let bending = atan2_64(-followed.d.y, followed.d.x).to_degrees() * 60.0;
@@ -376,7 +376,7 @@ fn light_that_gets_nowhere_is_lost_and_no_endless_loop() {
         let r = tape.unary(Unary::Sqrt, sum);
         tape.binary(Binary::Div, Node::Constant(1.0), r)
     }));
-    let mut ball = Ball::new(DVec3::ZERO, 1.0);
+    let mut ball = SphereChords::new(DVec3::ZERO, 1.0);
     let around = through(&medium, &mut ball, DVec3::new(0.5, 0.0, 0.0), DVec3::Y);
     assert!(matches!(around.outcome, Outcome::Lost | Outcome::Meets), "{around:?}");
     let inwards = through(&medium, &mut ball, DVec3::new(0.5, 0.0, 0.0), DVec3::new(-1.0, 0.2, 0.0));
@@ -392,7 +392,7 @@ fn plain_steps_are_of_first_order() {
     let mut medium = GradientIndex::new(Profile::Luneburg { center: DVec3::ZERO, radius: 1.0 });
     let error = |medium: &GradientIndex| {
         let start = DVec3::new(-0.75f64.sqrt(), 0.5, 0.0) + 1e-6 * DVec3::X;
-        let followed = through(medium, &mut Ball::new(DVec3::ZERO, 1.0), start, DVec3::X);
+        let followed = through(medium, &mut SphereChords::new(DVec3::ZERO, 1.0), start, DVec3::X);
         assert_eq!(followed.outcome, Outcome::Meets);
         end(&followed).distance(DVec3::X)
     };
@@ -409,7 +409,7 @@ fn plain_steps_are_of_first_order() {
 #[test]
 fn a_constant_index_bends_nothing() {
     let medium = GradientIndex::new(function(|_, _| kajo_math::tape::Node::Constant(1.3)));
-    let mut ball = Ball::new(DVec3::ZERO, 1.0);
+    let mut ball = SphereChords::new(DVec3::ZERO, 1.0);
     let (o, d) = (DVec3::new(-0.3, 0.1, 0.2), DVec3::new(0.6, -0.48, 0.64));
     let followed = through(&medium, &mut ball, o, d);
     let expected = o + d * (-o.dot(d) + (o.dot(d) * o.dot(d) - o.length_squared() + 1.0).sqrt());
@@ -437,7 +437,7 @@ fn grids_bend_light_as_the_function_that_was_sampled() {
         let medium = GradientIndex::new(Profile::Grid(std::sync::Arc::new(grid)));
         let off = |h: f64| {
             let start = DVec3::new(-(1.0 - h * h).sqrt(), h, 0.0) + 1e-6 * DVec3::X;
-            let followed = through(&medium, &mut Ball::new(DVec3::ZERO, 1.0), start, DVec3::X);
+            let followed = through(&medium, &mut SphereChords::new(DVec3::ZERO, 1.0), start, DVec3::X);
             assert_eq!(followed.outcome, Outcome::Meets);
             end(&followed).distance(DVec3::X)
         };

@@ -1,9 +1,9 @@
-//! The parts of space that the surface of a blob may pass, each with the components that say anything there.
+//! The parts of space that the surface of a blob may pass, each with the components whose support overlaps it.
 //!
-//! The box of a blob is halved again and again. Bounds on what its components say in a part tell where the field is below the threshold,
-//! or above it, everywhere; the other parts stay. A ray asks those that it passes, from the nearest on.
+//! The box of a blob is halved again and again. Bounds on its components within a part show where the field is below the threshold,
+//! or above it, everywhere; the other parts stay. A ray is tested against those that it passes, from the nearest on.
 //!
-//! What the field is at a place depends on nothing else, to the bit: components that say nothing there add zero, and the others are added
+//! The field at a point depends on nothing else, to the bit: components whose support does not hold it add zero, and the others are added
 //! in one order in all parts. So neighbors agree on the value between them.
 
 use kajo_bvh::{BuildSettings, Bvh};
@@ -148,7 +148,7 @@ impl SurfaceCells {
         Some(SurfaceCells { lists, tree, margin })
     }
 
-    /// The components that say anything near a cell; `None` where others may say anything too, and for a number that is no cell's.
+    /// The components whose support overlaps the surroundings of a cell; `None` where that of others may too, and for a number that is no cell's.
     #[inline]
     pub fn members_near(&self, cell: u32, p: DVec3) -> Option<&[u32]> {
         let cell = self.lists.cells.get(cell as usize)?;

@@ -10,7 +10,7 @@ use super::cell::Cell;
 /// All of them fall, and less and less so, and end at some `u` with the value zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BlobKernel {
-    /// `exp(-u)`, cut where it says nothing any more [Blinn 1982].
+    /// `exp(-u)`, cut where it is negligible [Blinn 1982].
     #[default]
     Gaussian,
     /// `1 - 22/9 u + 17/9 u^2 - 4/9 u^3` up to the radius [Wyvill, McPheeters and Wyvill 1986].
@@ -136,12 +136,12 @@ impl Term {
         self.core
     }
 
-    /// Whether it says nothing from some distance on; half spaces have no end.
+    /// Whether its support is bounded; that of half spaces is not.
     pub fn is_bounded(&self) -> bool {
         !matches!(self.core, BlobCore::HalfSpace { .. })
     }
 
-    /// How far from the origin what it is made around begins, and how far around that it says anything.
+    /// How far from the origin what it is made around begins, and how far around that its support reaches.
     pub fn scale(&self) -> [f64; 2] {
         let far = match self.core {
             BlobCore::Ball(center) => center.abs().max_element(),
@@ -177,7 +177,7 @@ impl Term {
         self.strength > 0.0
     }
 
-    /// A box around all points where it says anything.
+    /// A box around its support.
     pub fn bounds(&self) -> Aabb {
         let reach = (self.farthest / self.inverse2).sqrt();
         let around = |p: DVec3| Aabb { min: (p - reach).as_vec3(), max: (p + reach).as_vec3() };
@@ -245,7 +245,7 @@ impl Term {
         (value, gradient.dot(d))
     }
 
-    /// Where a line is near enough for it to say anything.
+    /// Where a line is within its support.
     pub fn extent_along(&self, o: DVec3, d: DVec3) -> Option<[f64; 2]> {
         let reach2 = self.farthest / self.inverse2;
         let ball = |center: DVec3| {

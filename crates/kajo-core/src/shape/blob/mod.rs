@@ -11,7 +11,7 @@
 //! Components may have materials. Their shares at a point are those of the fields that add to the sum; surface coordinates of a
 //! blob are these shares, from which [`crate::texture::SurfaceShare`] mixes the materials.
 //!
-//! What of space a surface may pass is known before anything is rendered, with the components that say anything there ([`cells`]): rays
+//! What of space a surface may pass is known before anything is rendered, with the components whose support overlaps it ([`cells`]): rays
 //! look for crossings there alone. Blobs without an end have no such parts, and are asked between the borders of all components.
 //!
 //! Along a ray each `d_i^2` is convex, so the bounds of a component on a piece of it, and of its derivative, follow from the
@@ -87,7 +87,7 @@ struct Passage {
 #[derive(Default)]
 struct Scratch {
     passages: Vec<Passage>,
-    /// Where components begin or end to say anything.
+    /// Where the support of components begins or ends.
     borders: Vec<f64>,
     /// Those that do on the piece at hand.
     active: Vec<u32>,
@@ -231,7 +231,7 @@ impl Parts {
         1e-5 * (self.reach + p.abs().max_element())
     }
 
-    /// The components that say anything within a margin around a point, in their order.
+    /// The components whose support comes within a margin of a point, in their order.
     fn find_near(&self, p: DVec3, margin: f64, near: &mut Vec<u32>) {
         near.clear();
         let Some(tree) = &self.tree else { return near.extend(0..self.terms.len() as u32) };
@@ -268,7 +268,7 @@ impl Parts {
         });
     }
 
-    /// The first crossing within a ray's range on a piece of it on which these components alone say anything.
+    /// The first crossing within a ray's range on a piece of it that lies in the support of these components alone.
     #[inline(always)]
     fn first_in(
         &self,
@@ -284,7 +284,7 @@ impl Parts {
         first
     }
 
-    /// Visits the crossings on a piece of a line on which these components alone say anything, in ascending order, until `visit` says
+    /// Visits the crossings on a piece of a line that lies in the support of these components alone, in ascending order, until `visit` says
     /// that it is enough; whether it did.
     #[inline(always)]
     fn cross(
@@ -366,7 +366,7 @@ fn between_borders(borders: &[f64], ray: &Ray) -> Option<[f64; 2]> {
     (lo < hi).then_some([lo, hi])
 }
 
-/// A line, and the components that say anything on a piece of it.
+/// A line, and the components whose support overlaps a piece of it.
 struct RaySpan<'a> {
     parts: &'a Parts,
     line: &'a Ray64,
@@ -482,7 +482,7 @@ impl Surface for Blob {
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
-        // Whoever visits may ask another blob.
+        // `visit` may intersect another blob.
         let mut all = SCRATCH.with_borrow_mut(|scratch| std::mem::take(&mut scratch.found));
         self.0.crossings(ray, |t| {
             all.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));

@@ -57,7 +57,7 @@ impl QuarticBalls {
         Some(QuarticBalls { threshold, balls })
     }
 
-    /// Visits the crossings on a piece of a line on which these balls alone say anything, in ascending order, until `visit` says that it
+    /// Visits the crossings on a piece of a line that lies in the support of these balls alone, in ascending order, until `visit` says that it
     /// is enough; whether it did.
     #[inline(always)]
     pub fn cross(

@@ -153,7 +153,7 @@ impl Solid {
         leaf.in_place(ray.time, own, |own, transform| own.transformed(transform))
     }
 
-    /// Whether it is for a leaf to say if the result holds the point `p` at a ray's time.
+    /// Whether membership of the point `p` in the result, at a ray's time, depends on this leaf.
     pub(super) fn depends_on(&self, leaf: u32, p: Vec3, time: f32, scratch: &mut Scratch) -> bool {
         let counts = &mut scratch.counts;
         self.sets.reset(counts);

@@ -452,7 +452,7 @@ impl Surface for Csg {
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
-        // Whoever visits may ask another solid.
+        // `visit` may intersect another solid.
         let mut all = with_scratch(|scratch| {
             let mut all = std::mem::take(&mut scratch.found);
             all.clear();

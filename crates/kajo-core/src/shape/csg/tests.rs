@@ -379,7 +379,7 @@ fn the_surface_is_what_shows_of_the_leaves() {
     assert!(different < 5, "{different}");
 }
 
-/// Of many leaves, those that hold a point decide whether it is for another one to say if the result does.
+/// Of many leaves, those that hold a point decide whether its membership in the result depends on another one.
 #[test]
 fn many_leaves_say_which_of_them_shows() {
     const LEAVES: u32 = 60;

@@ -10,7 +10,7 @@
 //! straight span of one width it is the quadratic of a cylinder. Curves are cut into spans that turn by a few degrees, on
 //! each of which `g` has one extremum at most. No tube is made of cylinders or cones: what is met is the surface itself.
 //!
-//! A **ribbon** is flat and faces whoever looks: seen along a ray, it is what is nearer to the curve than the radius. The
+//! A **ribbon** is flat and faces the viewer: seen along a ray, it is what is nearer to the curve than the radius. The
 //! nearest places of the curve are roots of a quintic, which are isolated by Bernstein coefficients [`kajo_math::roots`].
 //!
 //! Spans of all strands lie in one tree. Neighbours share the numbers where they join, see [`span`].
@@ -497,7 +497,7 @@ impl Surface for Curves {
             let n = facing(point.m.normalize_or_zero());
             let off = q - point.p;
             let (p, p_error) = stored(point.p + off - off.dot(n) * n, parts.reach);
-            // Whoever leaves is faced by the ribbon again, and must not be met by what it leaves.
+            // A ray that starts here is faced by the ribbon again, and must not hit the ribbon that it leaves.
             return SurfacePoint::flat(p, p_error + point.r as f32, n.as_vec3());
         }
         let cap = CAPS.iter().position(|cap| *cap == hit.u);
@@ -554,7 +554,7 @@ impl Surface for Curves {
         Vec2::new(u, (if turn < 0.0 { turn + 1.0 } else { turn }) as f32)
     }
 
-    /// Along the strand, and around a tube. A ribbon has no direction across it but for whoever sees it.
+    /// Along the strand, and around a tube. A ribbon has no direction across it but that seen by the viewer.
     fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents {
         let parts = &*self.0;
         let leaf = &parts.leaves[hit.part as usize];

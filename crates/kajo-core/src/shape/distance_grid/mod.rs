@@ -368,7 +368,7 @@ impl Surface for DistanceGrid {
         let sides = if parts.closed { faces(parts.corners(), &line) } else { None };
         let sides = sides.into_iter().flatten();
         hits.extend(sides.filter_map(|side| cap(ray, &line, side, |p| parts.is_inside(p))));
-        // Whoever visits may ask another surface, which takes memory of its own.
+        // `visit` may intersect another surface, which takes memory of its own.
         hits.drain(..).for_each(&mut visit);
         SCRATCH.set(scratch);
     }

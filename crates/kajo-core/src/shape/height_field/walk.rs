@@ -39,7 +39,7 @@ struct CellWalk<'a, V> {
     from: f64,
     /// Whether the surface is above the ray.
     is_below: bool,
-    /// Told parameter and part of each crossing; whether that is enough.
+    /// Called with parameter and part of each crossing; whether that is enough.
     visit: V,
 }
 

@@ -434,7 +434,7 @@ impl Surface for Isosurface {
         }
         let faces = faces.into_iter().flatten();
         hits.extend(faces.filter_map(|face| parts.cap(ray, &line, face)));
-        // Whoever visits may ask another surface, which takes memory of its own.
+        // `visit` may intersect another surface, which takes memory of its own.
         hits.drain(..).for_each(&mut visit);
         CROSSINGS.set(crossings);
     }

@@ -113,7 +113,7 @@ impl Picture {
         if is_there { 0 } else { filter.bytes(self.width, self.height) }
     }
 
-    /// Makes what a filter needs besides the texels, if nobody has.
+    /// Makes what a filter needs besides the texels, unless it has been made.
     pub(crate) fn prepare(&self, filter: TexelFilter) {
         if filter == TexelFilter::Sat {
             self.sums.get_or_init(|| SummedAreaTable::of(self));

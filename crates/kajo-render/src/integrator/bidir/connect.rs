@@ -27,7 +27,7 @@ use super::partial_mis::{PartialMis, mis_weight, square, weighted_pdf_across};
 use super::subpath::Subpath;
 use super::vertex::Vertex;
 use super::volume::Volume;
-use super::{Bidirectional, Carried, Contribution, Technique};
+use super::{Bidirectional, Carried, Contribution, VertexCounts};
 use crate::integrator::transport::{
     DrawnLight, Joining, MediumStack, PathState, connect, connect_through_media, sample_light,
 };
@@ -50,7 +50,7 @@ impl LightEndPdf {
     }
 }
 
-/// What an observer is told of a segment that joins two vertices.
+/// What is reported to an observer of a segment that joins two vertices.
 struct Join<'a> {
     kind: RayKind,
     segment: &'a Ray,
@@ -210,7 +210,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let arriving = V::scaled(onward * z.cosine(wi) * thinning, || share.reach * sigma_t(z));
         let w_camera = square(end / pdf_li) * z.mis.weighed(arriving, z.pdf(wi, z.wo));
         let found = Contribution {
-            technique: Technique { s: 1, t },
+            technique: VertexCounts { s: 1, t },
             is_merged: false,
             light: z.beta * scattered * radiance * share.within * share.visible * pdf.recip(),
             weight: mis_weight(w_light, w_camera),
@@ -227,7 +227,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         &self,
         y: &Vertex<'a, V>,
         z: &Vertex<'a, V>,
-        technique: Technique,
+        technique: VertexCounts,
         Carried { wavelengths, time, hero, .. }: Carried<'_, impl Copy>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
@@ -281,7 +281,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
     pub(super) fn splat(
         &self,
         y: &Vertex<'a, V>,
-        technique: Technique,
+        technique: VertexCounts,
         Carried { wavelengths, time, hero, .. }: Carried<'_, impl Copy>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
@@ -370,7 +370,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         };
         let by_camera = V::scaled(pdf_camera, || share.reach);
         Some(Contribution {
-            technique: Technique { s: 1, t: 1 },
+            technique: VertexCounts { s: 1, t: 1 },
             is_merged: false,
             light: li.radiance * share.within * share.visible * (pdf_camera / pdf_li),
             weight: mis_weight(0.0, square(weighted_pdf_across(by_camera) / pdf_li)),

@@ -39,7 +39,7 @@ use kajo_math::rng::mix;
 
 use super::partial_mis::square;
 use super::techniques::AllTechniques;
-use super::{Bidirectional, CameraEnd, Carried, Contribution, Technique, Vertex, Volume};
+use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, VertexCounts, Volume};
 use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored, dither};
 use crate::integrator::transport::{LaneMis, SurfaceInteraction};
 use crate::trail::{Counting, PathObserver};
@@ -313,7 +313,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             // The kernel 1/(N pi r^2) estimates a density per area of the true surface, so the cosine of `f |cos|` is divided by that of
             // the geometric normal [Veach 1997, 5.3.2].
             let merged = Contribution {
-                technique: Technique { s: scatterings + 2, t },
+                technique: VertexCounts { s: scatterings + 2, t },
                 is_merged: true,
                 light: z.beta * scattered * y.photon.power() * (merging.kernel / cosine),
                 weight: merging.mis_weight(y, z, wi),

@@ -64,7 +64,9 @@ pub(super) use merge::{MergePass, Merging};
 use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 pub(super) use subpath::Subpath;
-pub(super) use techniques::Technique;
+// Metropolis light transport names it so.
+pub(super) use techniques::VertexCounts as Technique;
+use techniques::VertexCounts;
 use techniques::{AllTechniques, Techniques};
 pub(super) use vertex::Vertex;
 pub(super) use volume::{NoMedia, Volume, WithMedia};
@@ -109,7 +111,7 @@ struct Carried<'a, T = AllTechniques<'a, Merging>> {
 #[derive(Clone, Copy, Debug)]
 struct Contribution {
     #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each technique by itself"))]
-    technique: Technique,
+    technique: VertexCounts,
     /// Whether the last vertices of both subpaths are one.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each technique by itself"))]
     is_merged: bool,
@@ -265,7 +267,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                 continue;
             }
             observer.back_to_noted(s - 2);
-            if let Some(seen) = self.splat(y, Technique { s, t: 1 }, carried, &mut from_light, observer) {
+            if let Some(seen) = self.splat(y, VertexCounts { s, t: 1 }, carried, &mut from_light, observer) {
                 found(seen, &wavelengths);
             }
         }
@@ -507,7 +509,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let draws = &mut end.path.state.draws;
         for (s, y) in (2..=self.longest() - t).zip(light_path) {
             if carried.techniques.has(s, t)
-                && let Some(joined) = self.join(y, z, Technique { s, t }, carried, draws, observer)
+                && let Some(joined) = self.join(y, z, VertexCounts { s, t }, carried, draws, observer)
             {
                 found(joined, wavelengths);
             }
@@ -649,11 +651,11 @@ impl<'a, V: ReusedVolume<'a>> Integrator for Bidirectional<'a, V> {
 /// Takes samples by one technique alone.
 pub(super) trait SingleTechnique: Sync {
     /// The light that a sample finds by the technique, with its weight among all of them; as [`PixelIntegrator::sample`].
-    fn sample_by(&self, ctx: &mut SampleContext<'_>, raster: Vec2, technique: Technique) -> PixelSample;
+    fn sample_by(&self, ctx: &mut SampleContext<'_>, raster: Vec2, technique: VertexCounts) -> PixelSample;
 }
 
 impl<'a, V: ReusedVolume<'a>> SingleTechnique for Bidirectional<'a, V> {
-    fn sample_by(&self, ctx: &mut SampleContext<'_>, raster: Vec2, technique: Technique) -> PixelSample {
+    fn sample_by(&self, ctx: &mut SampleContext<'_>, raster: Vec2, technique: VertexCounts) -> PixelSample {
         let mut counting = Counting::new(ctx);
         let sample = self.observe_techniques(ctx, raster, technique, &mut counting);
         ctx.rays = counting.rays;

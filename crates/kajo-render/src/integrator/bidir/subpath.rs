@@ -1,4 +1,15 @@
 //! One of the two subpaths of a path, from the light or from the camera, while it grows.
+//!
+//! With the vertices `x0 .. xi` a subpath carries the product of scattering over densities,
+//!
+//! ```text
+//! beta = beta_0  product over 0 < j < i of  f |cos| / p>(xj -> xj+1)
+//! ```
+//!
+//! with densities `p>` per solid angle: `beta_0` is 1 at the camera, and `Le |cos| / (P p_A p_d)` at a light that was chosen with the probability `P` and left with
+//! the densities `p_A` of the position and `p_d` of the direction. An estimate is `beta` of one subpath times what joins it to the other, or to nothing, and a weight of the power
+//! heuristic over all techniques. For these weights each vertex keeps the sums of [`PartialMis`] [Georgiev 2012, eq. 34 and 35], of the density of the ray and of that of the
+//! direction back, both per area where they arrive.
 
 use kajo_color::Spectrum;
 use kajo_core::LightGroup;
@@ -12,7 +23,7 @@ use kajo_math::Vec3;
 use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
 use super::volume::{Volume, WithMedia, grown_through_media};
-use super::{Contribution, Technique, shade_one_way};
+use super::{Contribution, VertexCounts, shade_one_way};
 use crate::integrator::transport::{
     Event, MediumInteraction, PathState, SurfaceInteraction, advance, follow, follow_phase, pass_straight,
     survives, survives_in_medium,
@@ -93,7 +104,13 @@ impl Subpath<'_> {
         Some((bsdf, collision))
     }
 
-    /// The sums at the point `p` that the ray has come to.
+    /// The sums at the point `p` that the ray has come to [Georgiev 2012, eq. 34 and 35], with the density per area and the factor of the way back
+    ///
+    /// ```text
+    /// p>(xi) = pdf cos_i / d^2,        g = cos_(i-1) / d^2 (eta_(i-1) / eta_i)^2
+    /// ```
+    ///
+    /// of the distance `d` to the vertex before; without `1 / d^2` where rays are parallel.
     ///
     /// * `cosine`: between the ray and the true normal there
     /// * `collision`: mean extinction there, if it is in a medium
@@ -109,7 +126,7 @@ impl Subpath<'_> {
         mis.grown(if V::HAS_MEDIA { grown_through_media(growth, &self.state, collision) } else { growth })
     }
 
-    /// The sums where the ray ends that leaves the scene.
+    /// The sums where the ray ends that leaves the scene: as [`Subpath::mis_at`], with densities per solid angle in place of those per area.
     pub fn mis_at_infinity<'v, V: Volume<'v>>(&self) -> PartialMis {
         let LastVertex { pdf, cosine: g, pdf_back, mis, .. } = self.last;
         let growth = Growth { pdf, g, pdf_back, connectable: self.state.connectable };
@@ -119,7 +136,7 @@ impl Subpath<'_> {
     /// Light that the ray of a path from the camera has hit (`s = 0`).
     pub(super) fn hit(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
-            technique: Technique { s: 0, t: self.state.scatterings + 2 },
+            technique: VertexCounts { s: 0, t: self.state.scatterings + 2 },
             is_merged: false,
             light: self.state.beta * radiance,
             weight,

@@ -55,26 +55,26 @@ impl<M> Techniques<M> for AllTechniques<'_, M> {
 
 /// A sampling technique: how many vertices of the path are drawn from either end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Technique {
+pub struct VertexCounts {
     /// From the light.
     pub s: u32,
     /// From the camera.
     pub t: u32,
 }
 
-impl Technique {
+impl VertexCounts {
     /// The technique that a number chooses for paths of `k` vertices, each with the probability `1/k`.
     ///
     /// * `u`: uniform in [0, 1)
-    pub fn chosen(k: u32, u: f32) -> Technique {
+    pub fn chosen(k: u32, u: f32) -> VertexCounts {
         let s = ((u * k as f32) as u32).min(k - 1);
-        Technique { s, t: k - s }
+        VertexCounts { s, t: k - s }
     }
 }
 
-impl<M> Techniques<M> for Technique {
+impl<M> Techniques<M> for VertexCounts {
     fn has(self, s: u32, t: u32) -> bool {
-        self == Technique { s, t }
+        self == VertexCounts { s, t }
     }
 
     fn needs_light_vertex_after(self, s: u32) -> bool {
@@ -99,12 +99,12 @@ mod tests {
         for k in 2..9 {
             let mut counts = vec![0; k as usize];
             for i in 0..1000 * k {
-                let Technique { s, t } = Technique::chosen(k, (i as f32 + 0.5) / (1000 * k) as f32);
+                let VertexCounts { s, t } = VertexCounts::chosen(k, (i as f32 + 0.5) / (1000 * k) as f32);
                 assert!(s + t == k && t >= 1);
                 counts[s as usize] += 1;
             }
             assert!(counts.iter().all(|&n: &u32| n.abs_diff(1000) <= 1), "{counts:?}");
-            assert_eq!(Technique::chosen(k, 1.0 - f32::EPSILON / 2.0), Technique { s: k - 1, t: 1 });
+            assert_eq!(VertexCounts::chosen(k, 1.0 - f32::EPSILON / 2.0), VertexCounts { s: k - 1, t: 1 });
         }
     }
 }

@@ -26,7 +26,7 @@ use kajo_core::medium::Phase;
 use super::partial_mis::Growth;
 use crate::integrator::transport::{MediumStack, PathState};
 
-/// Whether paths carry participating media, and what a vertex then knows of them.
+/// Whether paths carry participating media, and what a vertex then keeps of them.
 pub trait Volume<'a>: Copy + Sync + fmt::Debug + 'a {
     /// Whether paths carry media.
     const HAS_MEDIA: bool;

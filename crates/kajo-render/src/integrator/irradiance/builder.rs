@@ -49,7 +49,7 @@ pub const COVERED: f32 = 0.3;
 /// The least and the largest radius, in pixels.
 const RADII: [f32; 2] = [1.5, 20.0];
 
-/// `1 - cos` of the angle of normals beyond which a record says nothing, whatever the accuracy.
+/// `1 - cos` of the angle of normals beyond which a record is not used, whatever the accuracy.
 const LARGEST_TURN: f32 = 0.25;
 
 /// The side of the square over which the error of a record is counted, as a share of the height of the picture.

@@ -1,7 +1,7 @@
 //! Irradiance caching [Ward, Rubinstein and Clear 1988], with gradients [Ward and Heckbert 1992] and radii by what is hidden
 //! [Schwarzhaupt, Jensen and Jarosz 2012].
 //!
-//! A surface that reflects evenly sends back `R/π E`, whoever looks at it, and the part of the irradiance `E` that was scattered before
+//! A surface that reflects evenly sends back `R/π E` in every direction, and the part of the irradiance `E` that was scattered before
 //! changes slowly from place to place. It is worked out for few points, by many rays each, and in between it is interpolated:
 //!
 //! ```text

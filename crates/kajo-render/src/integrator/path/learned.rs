@@ -125,11 +125,11 @@ fn train(
 #[derive(Default)]
 struct Recorder {
     rays: RayCounters,
-    draws: Vec<Drawn>,
+    draws: Vec<RecordedDraw>,
 }
 
 /// A light that was drawn for a receiver.
-struct Drawn {
+struct RecordedDraw {
     to: Receiver,
     light: LightIndex,
     arrives: bool,
@@ -144,7 +144,7 @@ impl PathObserver for Recorder {
 
     fn light_drawn(&mut self, to: &Receiver, light: LightIndex, arrives: impl FnOnce() -> bool) {
         if self.draws.len() < DRAWS {
-            self.draws.push(Drawn { to: *to, light, arrives: arrives() });
+            self.draws.push(RecordedDraw { to: *to, light, arrives: arrives() });
         }
     }
 

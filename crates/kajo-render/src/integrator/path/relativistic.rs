@@ -33,7 +33,7 @@ use kajo_math::lorentz::SpacetimeEvent;
 use kajo_math::robust::offset_origin;
 use kajo_math::{DQuat, DVec3, Ray, Vec2, Vec3};
 
-use super::tracer::{CameraPath, Shaded, receiver};
+use super::tracer::{CameraPath, Shaded, receiver, weight_of_hit};
 use super::{PathSettings, directions, directions::Part};
 use crate::integrator::Integrator;
 use crate::integrator::camera_view::{CameraView, in_white_light};
@@ -94,9 +94,9 @@ impl Integrator for RelativisticPath<'_> {
         observer.counters().camera += 1;
         let pivot = self.pivot.or_else(|| self.view.pivot(ray.time)).unwrap_or(ray.o);
         let seen = self.all.observed(&ray, pivot);
-        let found = Found {
+        let found = FrameEstimate {
             groups: self.view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]),
-            ..Found::default()
+            ..FrameEstimate::default()
         };
         let mut path = FramePath {
             path: CameraPath::new(state, &self.settings),
@@ -104,7 +104,7 @@ impl Integrator for RelativisticPath<'_> {
             t: seen.t,
             vertex: Vertex::default(),
             since_vertex: 1.0,
-            way: 1.0,
+            camera_length_ratio: 1.0,
         };
         // From the camera's own frame, which is the world's where the camera is at rest.
         if self.all.observer.velocity != DVec3::ZERO {
@@ -143,7 +143,7 @@ struct FramePath<'s> {
     /// The frequency that light of the ray has at that vertex over the one that it has here.
     since_vertex: f32,
     /// Lengths of the camera's own frame over those along the ray, as long as that is the camera's.
-    way: f32,
+    camera_length_ratio: f32,
 }
 
 impl FramePath<'_> {
@@ -169,7 +169,7 @@ impl FramePath<'_> {
         (self.frame, self.t) = (own.frame, own.t);
         state.shift_frequency(doppler);
         self.since_vertex *= doppler;
-        self.way *= doppler;
+        self.camera_length_ratio *= doppler;
     }
 
     fn light(&self) -> LightRay {
@@ -194,7 +194,7 @@ fn receiver_in(all: &Relativity, to: &Receiver, from: Vertex, frame: FrameId) ->
 
 /// What one sample has found so far.
 #[derive(Default)]
-struct Found {
+struct FrameEstimate {
     /// Linear RGB, as the sensor sees it.
     rgb: [f32; 3],
     groups: Option<[[f32; 3]; MAX_LIGHT_GROUPS]>,
@@ -203,7 +203,7 @@ struct Found {
 }
 
 /// Light drawn in the frame of its emitter.
-struct Drawn {
+struct FrameLightSample {
     light: LightIndex,
     group: LightGroup,
     /// Unit direction in the frame of the receiver.
@@ -221,7 +221,7 @@ struct Drawn {
 struct Tracer<'a, 'o, O: PathObserver> {
     integrator: &'a RelativisticPath<'a>,
     observer: &'o mut O,
-    found: Found,
+    found: FrameEstimate,
 }
 
 impl<O: PathObserver> Tracer<'_, '_, O> {
@@ -290,7 +290,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let s = surface.at.hit.t;
         if self.found.first.is_none() {
             let mut first = surface.at;
-            first.hit.t = s * path.way;
+            first.hit.t = s * path.camera_length_ratio;
             self.found.first = Some(first);
         }
         path.enter(&own);
@@ -342,7 +342,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         }
         path.vertex = Vertex { frame: path.frame, t: path.t };
         path.since_vertex = 1.0;
-        path.way = 0.0;
+        path.camera_length_ratio = 0.0;
         // What a pixel covers of the sky is known to camera rays alone: surfaces were met in frames of their own.
         path.path.state.differential = None;
         path.path.go_on(scene, settings, shaded, Part::All, self.observer)
@@ -351,7 +351,12 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
     /// Light of an emitter of some frame for a surface, whether or not anything is in the way; `None` where none can arrive.
     ///
     /// Takes three numbers. The first one is left out; the other two are for the light and the position on it.
-    fn sample_light(&self, path: &mut FramePath<'_>, shaded: Shaded<'_>, frame: FrameId) -> Option<Drawn> {
+    fn sample_light(
+        &self,
+        path: &mut FramePath<'_>,
+        shaded: Shaded<'_>,
+        frame: FrameId,
+    ) -> Option<FrameLightSample> {
         let (scene, all) = (self.scene(), self.integrator.all);
         let Shaded { surface, local, .. } = shaded;
         let state = &mut path.path.state;
@@ -386,7 +391,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let there = LightRay { frame, ray: segment, t };
         let d = all.light(segment.d.as_dvec3(), frame, path.frame).as_vec3();
         let here = LightRay { frame: path.frame, ray: Ray { o: start, d, ..segment }, t: path.t };
-        let drawn = Drawn {
+        let drawn = FrameLightSample {
             light: chosen.light,
             group: scene.lighting.sampler.group(chosen.light),
             wi,
@@ -455,24 +460,19 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
     /// * `d`: unit direction of the ray that hit it there
     fn mis_weight(&self, path: &FramePath<'_>, hit: &LightHit, at: &LightPoint, d: Vec3) -> f32 {
         let settings = &self.integrator.settings;
-        match settings.technique {
-            _ if !path.path.state.connectable => 1.0,
-            Technique::Scattering => 1.0,
-            Technique::Lights => 0.0,
-            Technique::Combined => {
-                let scene = self.scene();
-                let to = path.receiver_in(self.integrator.all, path.frame);
-                let choice = scene.lights_of(path.frame).pmf(hit.light, &to, settings.light_choice);
-                let lights = &scene.lighting;
-                let pdf_li = if choice > 0.0 {
-                    lights.lights.pdf_li(lights.sampler.id(hit.light), &to, at, d)
-                } else {
-                    0.0
-                };
-                // [Veach 1997, eq. 9.15], both densities per solid angle of the frame of the vertex before.
-                power_heuristic(path.path.pdf, choice * pdf_li * path.since_vertex * path.since_vertex)
-            }
-        }
+        weight_of_hit(settings.technique, path.path.state.connectable, || {
+            let scene = self.scene();
+            let to = path.receiver_in(self.integrator.all, path.frame);
+            let choice = scene.lights_of(path.frame).pmf(hit.light, &to, settings.light_choice);
+            let lights = &scene.lighting;
+            let pdf_li = if choice > 0.0 {
+                lights.lights.pdf_li(lights.sampler.id(hit.light), &to, at, d)
+            } else {
+                0.0
+            };
+            // [Veach 1997, eq. 9.15], both densities per solid angle of the frame of the vertex before.
+            power_heuristic(path.path.pdf, choice * pdf_li * path.since_vertex * path.since_vertex)
+        })
     }
 
     /// Light from infinitely far away, which rests in the world: `beta Le(d) w`.

@@ -97,7 +97,7 @@ pub const PATH: IntegratorSpec = IntegratorSpec {
         let bounces = bounces_of_paths(context.scene, bounces);
         let caustics = context.said.caustics.unwrap_or(path.caustics);
         let guiding = context.said.guiding.unwrap_or(path.guiding);
-        // A number that nobody asks for is no reason why a render could not go on to more samples.
+        // A number that is not used is no reason why a render could not go on to more samples.
         let training = match context.said.samples {
             Some((_, samples)) if guiding => (samples / TRAINED).clamp(1, MOST_TRAINING),
             _ => PATH_SAMPLES / TRAINED,
@@ -150,7 +150,7 @@ const WITHOUT_WALKS: &str = "`caustics manifold` has no effect in scenes with me
 const WITHOUT_CURVES_AMONG_FRAMES: &str =
     "between things that move nearly as fast as light it goes straight through bodies that bend it";
 
-/// What is said of a guide that has nothing to do.
+/// The note for a render in which `guiding` has no effect.
 const WITHOUT_GUIDE: &str = "`guiding` has no effect: directions are guided where they are drawn by scattering alone, and `directions` or `caustics` asks for another rule";
 
 /// What all of them listen to.

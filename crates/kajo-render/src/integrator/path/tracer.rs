@@ -29,7 +29,7 @@ use crate::integrator::transport::{
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
 pub use caustics::ThroughGlass;
-pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Leaving, Sampled, Worth};
+pub use indirect::{DiffuseVertex, GuidedDirection, Indirect, IndirectLight, Sampled, Worth};
 
 /// A path from the camera, and what the weights of the light that it hits go by.
 #[derive(Clone, Copy)]
@@ -107,20 +107,18 @@ impl<'s> CameraPath<'s> {
         };
         let Some(sample) = drawn.filter(|sample| part.holds(sample)) else { return false };
         let Some(wi) = local.to_world(&sample) else { return false };
-        self.go_along(scene, settings, at, (&sample, wi), observer)
+        self.go_along(scene, settings, at, SampledDirection { sample: &sample, wi }, observer)
             && survives(&mut self.state, self.bounces, settings.roulette)
     }
 
     /// Takes the path along a direction that was drawn, before roulette; `false` when it ends.
-    ///
-    /// * `wi`: the direction in world space
     #[inline(always)]
     fn go_along(
         &mut self,
         scene: &Scene,
         settings: &PathSettings,
         Shaded { surface, local, .. }: Shaded<'_>,
-        (sample, wi): (&BsdfSample, Vec3),
+        SampledDirection { sample, wi }: SampledDirection<'_>,
         observer: &mut impl PathObserver,
     ) -> bool {
         let state = &mut self.state;
@@ -142,6 +140,14 @@ impl<'s> CameraPath<'s> {
         self.bounces += u32::from(!is_free);
         true
     }
+}
+
+/// A direction that was drawn at a surface.
+#[derive(Clone, Copy)]
+struct SampledDirection<'v> {
+    sample: &'v BsdfSample,
+    /// The direction in world space.
+    wi: Vec3,
 }
 
 /// A surface and how it scatters.
@@ -360,7 +366,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         if C::IS_ASKED
             && !is_delta
-            && let Some(goes_on) = self.take_indirect(path, surface, bsdf, (&local, &shading))
+            && let Some(goes_on) = self.take_indirect(path, surface, bsdf, &local, &shading)
         {
             return goes_on;
         }
@@ -416,18 +422,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// * `at`: the point of the light
     /// * `d`: unit direction of the ray that hit it
     fn mis_weight(&self, path: &CameraPath<'s>, hit: &LightHit, at: &LightPoint, d: Vec3) -> f32 {
-        match self.settings.technique {
-            _ if !path.state.connectable => 1.0,
-            Technique::Scattering => 1.0,
-            Technique::Lights => 0.0,
-            Technique::Combined => {
-                let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, self.lights);
-                if path.state.carries_media {
-                    return self.mis_weight_through_media(path, hit, pdf_li);
-                }
-                power_heuristic(path.pdf, pdf_li)
+        weight_of_hit(self.settings.technique, path.state.connectable, || {
+            let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, self.lights);
+            if path.state.carries_media {
+                return self.mis_weight_through_media(path, hit, pdf_li);
             }
-        }
+            power_heuristic(path.pdf, pdf_li)
+        })
     }
 
     /// The same with the densities of all lanes, where some are carried through media.
@@ -529,6 +530,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let drawn = light_of_choice(scene, state, &receiver, &chosen, u);
         let Some(DrawnLight { light, li, pdf }) = drawn else { return };
         let Some(wi) = local.to_local(li.wi) else { return };
+        let towards = TwoFrames { local: wi, world: li.wi };
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
         if scattered.is_black() {
             return;
@@ -538,13 +540,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
         let media = beyond.as_ref().unwrap_or(&state.media);
         if state.carries_media {
-            let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, (wi, li.wi));
+            let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, towards);
             let (carried, media) = (state.beta * scattered, *media);
-            return self.add_light_through_media(
-                path,
-                &DrawnLight { light, li, pdf },
-                Joined { receiver, segment, media, carried, pdf_by_scattering },
-            );
+            let joined = Joined { receiver, segment, media, carried, pdf_by_scattering };
+            return self.add_light_through_media(path, &DrawnLight { light, li, pdf }, joined);
         }
         let carried = state.beta * scattered * media.transmittance(segment.length());
         let eta = media.eta_of_segment(scene);
@@ -559,9 +558,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
             return;
         }
+        // [Veach 1997, eq. 9.15]
         let weight = match settings.technique {
             Technique::Combined if !li.is_delta => {
-                power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, (wi, li.wi)))
+                power_heuristic(pdf, self.pdf_of_path(bsdf, local.wo, towards))
             }
             _ => 1.0,
         };
@@ -574,13 +574,18 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Density per solid angle with which the path itself would go on in a direction.
-    ///
-    /// * `wi`: local, and in world space
     #[inline(always)]
-    fn pdf_of_path(&self, bsdf: &Bsdf<'_>, wo: Vec3, (wi, world): (Vec3, Vec3)) -> f32 {
-        let pdf = directions::pdf(self.settings.directions, bsdf, wo, wi);
-        if C::GUIDES { self.indirect.mixed(world, pdf).0 } else { pdf }
+    fn pdf_of_path(&self, bsdf: &Bsdf<'_>, wo: Vec3, wi: TwoFrames) -> f32 {
+        let pdf = directions::pdf(self.settings.directions, bsdf, wo, wi.local);
+        if C::GUIDES { self.indirect.mixed(wi.world, pdf).0 } else { pdf }
     }
+}
+
+/// A unit direction in the local frame of a surface, and in world space.
+#[derive(Clone, Copy)]
+struct TwoFrames {
+    local: Vec3,
+    world: Vec3,
 }
 
 /// What joins a vertex and a point of a light.
@@ -644,6 +649,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
     }
 
+    /// Direct light at a point `x` in a medium, by next-event estimation. The integral over directions of `p(wo, wi) Li(wi)`, with the phase function `p`,
+    /// is estimated by one light, drawn with the density `q` per solid angle: `p T Le / q`, with the estimate `T` of the transmittance in
+    /// [`PathTracer::add_light_through_media`]. Scattering has the density `p` itself, against which that is weighed. Where light was drawn for the ray that `x`
+    /// lies on too, the share of this estimate is that of [`EquiangularRay::weight_of_collision`].
     fn add_direct_light_in_medium(
         &mut self,
         path: &mut CameraPath<'s>,
@@ -691,6 +700,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
             return;
         }
+        // [Veach 1997, eq. 9.15], with the means over the lanes of the densities by free paths and by ratio tracking.
         let weight = match self.settings.technique {
             Technique::Combined if !li.is_delta => {
                 power_heuristic(pdf * by_light, pdf_by_scattering * by_scattering)
@@ -746,6 +756,21 @@ impl Estimate {
             self.light = Spectrum::BLACK;
             path.end_secondary_wavelengths();
         }
+    }
+}
+
+/// The weight of light that a path has hit: that of multiple importance sampling where lights are drawn as well, and one could have been drawn.
+#[inline(always)]
+pub(super) fn weight_of_hit(
+    technique: Technique,
+    is_connectable: bool,
+    combined: impl FnOnce() -> f32,
+) -> f32 {
+    match technique {
+        _ if !is_connectable => 1.0,
+        Technique::Scattering => 1.0,
+        Technique::Lights => 0.0,
+        Technique::Combined => combined(),
     }
 }
 

@@ -38,7 +38,7 @@
 //!
 //! What a medium gives of its own is found by paths from the camera alone, on each stretch that they go without a collision.
 //!
-//! Media that overlap are for `overlap.rs`.
+//! For overlapping media see `overlap.rs`.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
@@ -361,7 +361,8 @@ pub(super) struct Walked {
 }
 
 impl PathState<'_> {
-    /// Writes the result of sampling collisions along a ray back to the path: where it arrives, times `T[i] / T[h]` (the third row of the table above).
+    /// Writes the result of sampling collisions along a ray back to the path: where it arrives, times `T[i] / T[h]`, the third row of the table
+    /// above [Miller, Georgiev and Jarosz 2019].
     ///
     /// * `arrives`: `T[i]` since the last collision, where it comes to the far end
     #[inline]
@@ -396,7 +397,8 @@ impl CollisionVisitor<f32> for DeltaTracking<'_> {
         let factor = stretch.collision(t);
         let real = if is_homogeneous { 1.0 } else { (stretch.density(self.ray.at(at)) / majorant).min(1.0) };
         if is_homogeneous || draws.next_1d() < real {
-            // First row: T[i] sigma_s[i] / (T[h] sigma_t[h]), and T[i] sigma[i] / (T[h] sigma[h]) for r_u.
+            // First row: T[i] sigma_s[i] / (T[h] sigma_t[h]), and T[i] sigma[i] / (T[h] sigma[h]) for r_u. The probability d / m of a
+            // real collision is the same for all lanes, and cancels [Miller, Georgiev and Jarosz 2019].
             *beta *= factor * stretch.sigma_s.safe_div(stretch.sigma_t);
             let passed = if is_homogeneous { t } else { Spectrum::WHITE };
             lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
@@ -406,7 +408,7 @@ impl CollisionVisitor<f32> for DeltaTracking<'_> {
             self.scattered = Some(at);
             return true;
         }
-        // Second row: a null collision.
+        // Second row: a null collision. A free path passes it with the probability 1 - d / m, ratio tracking with 1, so that does not cancel in r_l.
         *beta *= factor;
         lanes.r_u *= factor;
         lanes.r_l *= factor * (1.0 / (1.0 - real));

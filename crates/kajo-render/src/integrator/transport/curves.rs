@@ -7,7 +7,7 @@ use kajo_core::curved_light::Outcome;
 use kajo_core::differential::SurfaceFootprint;
 use kajo_core::medium::MediumId;
 use kajo_core::scene::Scene;
-use kajo_core::space::Arrival;
+use kajo_core::space::{CurveArrival, DifferentialRay};
 use kajo_math::{Ray, Vec3};
 
 use super::arrival::{TracedSegment, arrive};
@@ -59,10 +59,10 @@ pub fn trace_curve(
     let wavelengths = path.wavelengths;
     let about = || About { eta, weight: sensor::to_rgb(weight, &wavelengths), light: None };
     let chords = |chord: &Ray| observer.bent(scene, chord, about);
-    let from = (&path.ray, path.differential.as_ref());
+    let from = DifferentialRay { ray: &path.ray, differential: path.differential.as_ref() };
     let way = scene.follow(from, medium, body, &path.wavelengths, &mut surface.at, chords);
     let Some(way) = way else { return Curve::GoesOn };
-    let Arrival { outcome, d, length, chord, eta, eta_scale, g, ends, differential } = way;
+    let CurveArrival { outcome, d, length, chord, eta, eta_scale, g, ends, differential } = way;
     path.connectable = false;
     path.differential = differential;
     surface.at.footprint =

@@ -1,4 +1,14 @@
 //! Which lane of a path draws distances in media, and how likely the path was by the others.
+//!
+//! One lane, the hero `h`, draws the distances `x` for all, and light counts by the balance heuristic over the lanes that might have been the hero,
+//!
+//! ```text
+//! f_i(x) / (1/n sum over k of p_k(x))  =  f_i(x) / p_h(x)  /  (1/n sum over k of r[k]),        r[k] = p_k(x) / p_h(x)
+//! ```
+//!
+//! with the density `p_k` of drawing the same path, null collisions included, if lane `k` were the hero: hero wavelengths [Wilkie et al. 2014] by the
+//! densities of null collisions, the spectral MIS of [Miller, Georgiev and Jarosz 2019]. Two techniques end a path, so there are two of these ratios: `r_u` where
+//! the last segment is a free path (unidirectional), and `r_l` where it is a connection (to a light), which ratio tracking goes along.
 
 use kajo_color::{Spectrum, Wavelengths};
 

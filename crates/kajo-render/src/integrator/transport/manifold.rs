@@ -24,7 +24,7 @@
 //! ```
 //!
 //! the generalized geometry term but for the cosine at `x0` [Jakob and Marschner 2012, eq. 11]. Walks take no random numbers, and are
-//! the same for the same ends: whoever has sampled `y` by scattering through some chain can ask whether a walk would have found that very chain.
+//! the same for the same ends: for a `y` that was sampled by scattering through some chain, it can be decided whether a walk would have found that very chain.
 //!
 //! Walks begin at one object, a caster, in a few directions that depend on its box and both ends. The chain of such a direction is as long
 //! as it comes nearest to `y`, and those that Newton's method would turn least are walked on from. So several chains may be found, each kept once.
@@ -178,7 +178,7 @@ pub struct SpecularChain {
     /// Unit direction of its last segment, towards the light.
     pub arrives: Vec3,
     /// What is left of radiance that comes along it: Fresnel transmittances, with the squares of the indices, and absorption.
-    pub throughput: Spectrum,
+    pub beta: Spectrum,
     /// Probability that a path which leaves along `d` is refracted all along the chain.
     pub probability: f32,
     /// Area across the last segment at its end for a solid angle at the receiver; solid angle of light from infinitely far.
@@ -310,7 +310,7 @@ impl<'a, 's> ManifoldWalk<'a, 's> {
             }
         }
         let d = turned(&at.frame, at.turn);
-        (at.chain.spread > 0.0 && at.chain.throughput.is_finite() && d.is_finite())
+        (at.chain.spread > 0.0 && at.chain.beta.is_finite() && d.is_finite())
             .then_some(SpecularChain { d, ..at.chain })
     }
 
@@ -458,7 +458,7 @@ impl Tracing<'_> {
         let chain = SpecularChain {
             d,
             arrives: path.ray.d,
-            throughput: path.beta * probability,
+            beta: path.beta * probability,
             probability,
             spread: 0.0,
             via,
@@ -577,7 +577,7 @@ fn missing(
         if along <= 0.0 {
             return None;
         }
-        chain.throughput *= chain.media.transmittance(along);
+        chain.beta *= chain.media.transmittance(along);
         chain.last.t_max = along;
         (along * w - to_end, differential.transferred(w, along, w).dp, along, goal.distance)
     };

@@ -13,7 +13,7 @@ use kajo_core::medium::{MaybeMedium, MediumId};
 use kajo_core::scene::Scene;
 use kajo_math::Ray;
 
-/// Media that a stack has room for. Where more overlap, the one entered first is forgotten.
+/// Media that a stack has room for. Where more overlap, the one entered first is dropped.
 const ROOM: usize = 4;
 
 /// Media that may be in one place, the air among them.
@@ -24,7 +24,7 @@ const PRIORITY_OF_AIR: i32 = 0;
 
 /// What fills an object, as far as paths go by it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Medium {
+struct MediumEntry {
     /// Absorption per unit length.
     sigma_a: Spectrum,
     /// Index of refraction.
@@ -39,7 +39,7 @@ struct Medium {
 /// The media around a point of a path, in the order in which they were entered.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MediumStack {
-    entries: [Medium; ROOM],
+    entries: [MediumEntry; ROOM],
     len: u32,
     /// What is outside of all.
     air: MaybeMedium,
@@ -61,7 +61,7 @@ struct There {
 #[derive(Clone, Copy, Debug)]
 pub struct Interface {
     /// What is behind the surface.
-    medium: Medium,
+    medium: MediumEntry,
     /// Index of refraction outside the surface.
     pub eta_outside: f32,
     /// Whether the path comes from outside.
@@ -87,7 +87,7 @@ impl MediumStack {
             return MediumStack::air(scene);
         }
         let mut around = Surroundings { media: MediumStack::air(scene), ..Surroundings::default() };
-        let mut last: Option<Crossed> = None;
+        let mut last: Option<CrossedObject> = None;
         scene.crossings(ray, |object, hit| {
             let at = scene.interaction(ray, object, hit);
             let Some(interior) = scene.interior(&at, wavelengths, 0.5) else { return };
@@ -95,8 +95,8 @@ impl MediumStack {
             if let Some(done) = last.take_if(|last| last.medium.object != object) {
                 around.add(&done);
             }
-            let medium = Medium::of(object, &interior, 1.0);
-            let first = Crossed { medium, adds: interior.adds, exits: 0, farthest: 0.0 };
+            let medium = MediumEntry::of(object, &interior, 1.0);
+            let first = CrossedObject { medium, adds: interior.adds, exits: 0, farthest: 0.0 };
             let crossed = last.get_or_insert(first);
             crossed.exits += if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
             crossed.farthest = crossed.farthest.max(hit.t);
@@ -185,7 +185,7 @@ impl MediumStack {
         }
     }
 
-    /// Forgets that an object was entered.
+    /// Drops the entry of an object.
     pub fn leave(&mut self, object: ObjectId) {
         if let Some(i) = self.position(object) {
             self.entries.copy_within(i + 1..self.len as usize, i);
@@ -208,11 +208,11 @@ impl MediumStack {
             Some(_) if self.adding != 0 => self.solid_eta(leaves),
             outside => outside.map_or(1.0, |outside| outside.eta),
         };
-        let is_uppermost = |outside: &Medium| {
+        let is_uppermost = |outside: &MediumEntry| {
             outside.priority <= interior.priority && leaves.is_none_or(|i| !self.is_replaced(i))
         };
         Interface {
-            medium: Medium::of(object, interior, eta_outside),
+            medium: MediumEntry::of(object, interior, eta_outside),
             eta_outside,
             enters,
             adds: interior.adds,
@@ -249,17 +249,17 @@ impl MediumStack {
         uppermost(solid.map(|i| &self.entries[i])).map_or(1.0, |medium| medium.eta)
     }
 
-    fn media(&self) -> &[Medium] {
+    fn media(&self) -> &[MediumEntry] {
         &self.entries[..self.len as usize]
     }
 
     /// What is around the point.
     #[inline]
-    fn top(&self) -> Option<&Medium> {
+    fn top(&self) -> Option<&MediumEntry> {
         if self.is_empty() { None } else { uppermost(self.media().iter()) }
     }
 
-    fn push(&mut self, medium: Medium, adds: bool) {
+    fn push(&mut self, medium: MediumEntry, adds: bool) {
         if self.len as usize == ROOM {
             self.entries.copy_within(1.., 0);
             self.len -= 1;
@@ -321,11 +321,11 @@ impl MediumStack {
     }
 }
 
-impl Medium {
+impl MediumEntry {
     /// * `eta_around`: index of refraction of what is around it
-    fn of(object: ObjectId, interior: &Interior, eta_around: f32) -> Medium {
+    fn of(object: ObjectId, interior: &Interior, eta_around: f32) -> MediumEntry {
         let &Interior { eta, absorption, priority, medium, .. } = interior;
-        Medium {
+        MediumEntry {
             sigma_a: absorption,
             eta: eta.unwrap_or(eta_around),
             priority,
@@ -337,8 +337,8 @@ impl Medium {
 
 /// An object that a ray crosses.
 #[derive(Clone, Copy)]
-struct Crossed {
-    medium: Medium,
+struct CrossedObject {
+    medium: MediumEntry,
     adds: bool,
     /// Ways out less ways in.
     exits: i32,
@@ -358,7 +358,7 @@ struct Surroundings {
 
 impl Surroundings {
     /// Looks at an object, all of whose crossings are known.
-    fn add(&mut self, crossed: &Crossed) {
+    fn add(&mut self, crossed: &CrossedObject) {
         if crossed.exits <= 0 {
             return;
         }
@@ -403,8 +403,8 @@ fn without_bit(bits: u8, i: usize) -> u8 {
 }
 
 /// The medium that is there, of those of some objects in the order in which they were entered.
-fn uppermost<'a>(media: impl Iterator<Item = &'a Medium>) -> Option<&'a Medium> {
-    media.fold(None, |top: Option<&Medium>, medium| match top {
+fn uppermost<'a>(media: impl Iterator<Item = &'a MediumEntry>) -> Option<&'a MediumEntry> {
+    media.fold(None, |top: Option<&MediumEntry>, medium| match top {
         Some(top) if top.priority > medium.priority => Some(top),
         _ => Some(medium),
     })

@@ -15,8 +15,8 @@
 //!
 //! Which medium scatters is chosen in proportion to its scattering there, `P[i](k) = sigma_s,k[i] d_k / sum over j of sigma_s,j[i] d_j` of the
 //! hero. Each lane would choose otherwise, so this counts among the densities of all lanes, or colours would be noisier with each
-//! scattering. A vertex has the phase function of one medium. The probability is the same for paths from both ends, and the
-//! weights between these need not know of it.
+//! scattering. A vertex has the phase function of one medium. The probability is the same for paths from both ends, so it cancels in
+//! the MIS weights.
 
 use std::array;
 
@@ -67,7 +67,7 @@ struct Most {
 }
 
 /// Coefficients of all media together at a point.
-struct Mixture {
+struct SummedCoefficients {
     densities: Densities,
     /// `r`.
     real: Spectrum,
@@ -121,11 +121,11 @@ impl<'a> Overlap<'a> {
         self.parts.each_ref().map(|part| part.as_ref().map_or(0.0, |part| part.stretch.density(p)))
     }
 
-    fn at(&self, p: Vec3, most: &Most) -> Mixture {
+    fn at(&self, p: Vec3, most: &Most) -> SummedCoefficients {
         let found = self.densities(p);
         let densities: Densities = array::from_fn(|k| found[k].min(most.densities[k]));
         let rest = array::from_fn(|k| most.densities[k] - densities[k]);
-        Mixture { densities, real: self.extinction(&densities), null: self.extinction(&rest) }
+        SummedCoefficients { densities, real: self.extinction(&densities), null: self.extinction(&rest) }
     }
 
     /// Radiance per unit length that all of them give at a point.
@@ -299,16 +299,18 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
         let hero = self.all.hero;
         let is_homogeneous = self.all.is_homogeneous;
-        let Mixture { densities, real, null } = self.all.at(self.ray.at(at), most);
+        let SummedCoefficients { densities, real, null } = self.all.at(self.ray.at(at), most);
         let lanes = &mut self.lanes;
         let is_real = is_homogeneous || draws.next_1d() * most.sigma[hero] < real[hero] || null[hero] <= 0.0;
         if !is_real {
+            // Second row [Miller, Georgiev and Jarosz 2019]; ratio tracking passes with the probability 1.
             let by = 1.0 / (t[hero] * null[hero]);
             self.beta *= t * null * by;
             lanes.r_u *= t * null * by;
             lanes.r_l *= t * most.sigma * by;
             return false;
         }
+        // First row, of which the choice of the medium is multiplied below.
         let by = 1.0 / (t[hero] * real[hero]);
         let passed = if is_homogeneous { t } else { Spectrum::WHITE };
         lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
@@ -438,7 +440,7 @@ struct OverlapRatioTracking<'a> {
 
 impl CollisionVisitor<Most> for OverlapRatioTracking<'_> {
     fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
-        let Mixture { null, .. } = self.all.at(self.ray.at(at), most);
+        let SummedCoefficients { null, .. } = self.all.at(self.ray.at(at), most);
         let hero = t[self.all.hero] * most.sigma[self.all.hero];
         let by = if hero > 0.0 { 1.0 / hero } else { 0.0 };
         let Passage { t: left, r_l, r_u } = &mut self.passage;

@@ -301,7 +301,7 @@ pub fn follow(
 /// Takes a number where chance decides.
 #[inline]
 pub fn survives(path: &mut PathState<'_>, bounces: u32, plays: bool) -> bool {
-    survives_at_most(path, bounces, plays, (LARGEST_SURVIVAL, 1.0))
+    survives_at_most(path, bounces, Roulette { plays, most: LARGEST_SURVIVAL, gain: 1.0 })
 }
 
 /// The same for a path whose directions were not drawn by scattering alone: where a guide sends many paths each of them carries little,
@@ -309,7 +309,7 @@ pub fn survives(path: &mut PathState<'_>, bounces: u32, plays: bool) -> bool {
 ///
 /// * `gain`: how many times more the path would carry if its directions had been drawn by scattering
 pub fn survives_guided(path: &mut PathState<'_>, bounces: u32, plays: bool, gain: f32) -> bool {
-    survives_at_most(path, bounces, plays, (LARGEST_SURVIVAL, gain))
+    survives_at_most(path, bounces, Roulette { plays, most: LARGEST_SURVIVAL, gain })
 }
 
 /// The same behind a collision in a medium.
@@ -324,11 +324,25 @@ pub fn survives_in_medium(
     plays: bool,
     gain: f32,
 ) -> bool {
-    survives_at_most(path, bounces, plays, (if at.is_subsurface { 1.0 } else { LARGEST_SURVIVAL }, gain))
+    let most = if at.is_subsurface { 1.0 } else { LARGEST_SURVIVAL };
+    survives_at_most(path, bounces, Roulette { plays, most, gain })
+}
+
+/// How Russian roulette is played.
+struct Roulette {
+    plays: bool,
+    /// The largest probability of survival.
+    most: f32,
+    /// How many times more the path would carry if its directions had been drawn by scattering.
+    gain: f32,
 }
 
 #[inline]
-fn survives_at_most(path: &mut PathState<'_>, bounces: u32, plays: bool, (most, gain): (f32, f32)) -> bool {
+fn survives_at_most(
+    path: &mut PathState<'_>,
+    bounces: u32,
+    Roulette { plays, most, gain }: Roulette,
+) -> bool {
     let left = path.wavelengths.max_lane(path.beta) * path.eta_scale * gain;
     if left.is_nan() || left <= 0.0 {
         return false;

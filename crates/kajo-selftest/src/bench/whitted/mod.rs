@@ -25,7 +25,7 @@ use super::time::{Seconds, Times, timed};
 use kajo::{Defaults, RenderSettings};
 
 pub use known::{COUNT_TOLERANCE, MEAN_TOLERANCE};
-pub use scene::{Ball, WhittedScene};
+pub use scene::{BenchSphere, WhittedScene};
 
 /// Camera rays of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

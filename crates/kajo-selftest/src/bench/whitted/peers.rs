@@ -9,7 +9,7 @@ use std::fmt::Write;
 use kajo_math::DVec3;
 use kajo_math::fmath::tan64;
 
-use super::scene::{Ball, BenchView, WhittedScene};
+use super::scene::{BenchSphere, BenchView, WhittedScene};
 
 /// Columns, rows, and surfaces that a camera ray may meet in a row.
 const WIDTH: u32 = 1024;
@@ -77,7 +77,7 @@ impl WhittedScene {
         text.push_str(
             "plane { y, 0 texture { pigment { checker rgb 0.8 rgb 0.25 } finish { ambient 0.1 diffuse 0.9 } } }\n",
         );
-        for Ball { center, radius, material } in self.balls() {
+        for BenchSphere { center, radius, material } in self.balls() {
             let _ = writeln!(text, "sphere {{ {}, {radius:.7} material {{ M{material} }} }}", at(center));
         }
         text
@@ -113,7 +113,7 @@ impl WhittedScene {
             "PLANE CENTER 0 0 0 NORMAL 0 1 0 TEXTURE AMBIENT 0.1 DIFFUSE 0.9 SPECULAR 0 OPACITY 1 \
              COLOR 0.8 0.8 0.8 TEXFUNC 1 CENTER 0 0 0 ROTATE 0 0 0 SCALE 1 1 1\n",
         );
-        for Ball { center, radius, material } in self.balls() {
+        for BenchSphere { center, radius, material } in self.balls() {
             let _ = writeln!(text, "SPHERE CENTER {} RAD {radius:.7} M{material}", at(center));
         }
         text + "END_SCENE\n"

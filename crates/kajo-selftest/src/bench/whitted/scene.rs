@@ -31,7 +31,7 @@ pub enum WhittedScene {
 
 /// A sphere with the number of its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
+pub struct BenchSphere {
     /// Centre.
     pub center: DVec3,
     /// Radius.
@@ -62,7 +62,7 @@ impl WhittedScene {
     }
 
     /// Its spheres.
-    pub fn balls(self) -> Vec<Ball> {
+    pub fn balls(self) -> Vec<BenchSphere> {
         match self {
             WhittedScene::Flake => {
                 let mut balls = Vec::new();
@@ -88,7 +88,7 @@ impl WhittedScene {
         }
         text.push_str(MATERIALS);
         let mut current = None;
-        for Ball { center, radius, material } in self.balls() {
+        for BenchSphere { center, radius, material } in self.balls() {
             if current.replace(material) != Some(material) {
                 let _ = writeln!(text, "  MaterialIndex {material}");
             }
@@ -154,8 +154,8 @@ fn words(v: DVec3) -> String {
 }
 
 /// A sphere, and `depth` generations of children around its pole `up`.
-fn add_flake(center: DVec3, radius: f64, up: DVec3, depth: u32, balls: &mut Vec<Ball>) {
-    balls.push(Ball { center, radius, material: 0 });
+fn add_flake(center: DVec3, radius: f64, up: DVec3, depth: u32, balls: &mut Vec<BenchSphere>) {
+    balls.push(BenchSphere { center, radius, material: 0 });
     if depth == 0 {
         return;
     }
@@ -171,11 +171,11 @@ fn add_flake(center: DVec3, radius: f64, up: DVec3, depth: u32, balls: &mut Vec<
     }
 }
 
-fn marble(i: u32) -> Ball {
+fn marble(i: u32) -> BenchSphere {
     let u = [0, 1, 2, 3].map(|k| uniform(i, k));
     let radius = 0.15 + 0.25 * u[0];
     let place = |cell: u32, u: f64| f64::from(cell) - f64::from(MARBLES / 2) + 0.5 + (u - 0.5) * 0.5;
-    Ball {
+    BenchSphere {
         center: DVec3::new(place(i % MARBLES, u[1]), radius, place(i / MARBLES, u[2])),
         radius,
         material: (u[3] * 3.0) as u32,
@@ -204,7 +204,7 @@ mod tests {
     fn children_touch_their_parent() {
         let balls = WhittedScene::Flake.balls();
         for child in &balls[1..] {
-            let touches = |parent: &&Ball| {
+            let touches = |parent: &&BenchSphere| {
                 let gap = parent.center.distance(child.center) - parent.radius - child.radius;
                 (parent.radius / child.radius - 3.0).abs() < 1e-9 && gap.abs() < 1e-9
             };

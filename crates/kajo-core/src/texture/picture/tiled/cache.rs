@@ -19,7 +19,7 @@ pub trait TileFiles: fmt::Debug + Send + Sync {
     /// Those of the system.
     fn open(&self, name: &str) -> io::Result<Box<dyn ReadAt>>;
 
-    /// Makes a file of what `content` writes. Whoever opens it meanwhile finds what there was before, or all of the new one.
+    /// Makes a file of what `content` writes. A reader that opens it meanwhile finds what there was before, or all of the new one.
     ///
     /// # Errors
     /// Those of the system and of `content`; then there is what there was before.
@@ -66,7 +66,7 @@ impl Hash for TileKey {
     }
 }
 
-/// The hash of a [`TileKey`], which nobody chooses to do harm.
+/// The hash of a [`TileKey`]; keys are not attacker-controlled.
 #[derive(Clone, Copy, Debug, Default)]
 struct Scattering(u64);
 
@@ -146,7 +146,7 @@ impl TileCache {
         self.shards.iter().map(|shard| locked(shard).bytes).sum()
     }
 
-    /// What went wrong while tiles were read, and forgets it. Where there is any of it, parts of pictures were shown in their mean colour.
+    /// Takes what went wrong while tiles were read. Where there is any of it, parts of pictures were shown in their mean colour.
     pub fn take_problems(&self) -> Vec<String> {
         std::mem::take(&mut locked(&self.problems))
     }
@@ -199,7 +199,7 @@ impl TileCache {
             held.was_used = true;
             return Arc::clone(&held.tile);
         }
-        // Two threads may read the same tile at a time; nobody waits for a disk that another one has asked.
+        // Two threads may read the same tile at a time; none waits for a read that another one has begun.
         let tile = Arc::new(load());
         locked(shard).keep(key, &tile, self.limit / self.shards.len() as u64);
         tile
@@ -207,7 +207,7 @@ impl TileCache {
 }
 
 impl Shard {
-    /// Keeps a tile, and lets others go that nobody has asked for since they were last in turn: "second chance"
+    /// Keeps a tile, and lets others go that were not used since they were last in turn: "second chance"
     /// [Corbató 1968].
     fn keep(&mut self, key: TileKey, tile: &Arc<Tile>, limit: u64) {
         let held = Held { tile: Arc::clone(tile), was_used: false };

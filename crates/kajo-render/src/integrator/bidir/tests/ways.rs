@@ -321,9 +321,9 @@ fn technique_alone<'a, V: Volume<'a>>(scene: &'a Scene) {
         for k in 0..samples {
             let place = ctx.begin([0, batch], k);
             let mut rays = Counting::default();
-            let mut take = |which: usize, expected: Option<Technique>, found: &Contribution| {
-                let Technique { s, t } = found.technique;
-                assert!(expected.is_none_or(|expected| expected == Technique { s, t }));
+            let mut take = |which: usize, expected: Option<VertexCounts>, found: &Contribution| {
+                let VertexCounts { s, t } = found.technique;
+                assert!(expected.is_none_or(|expected| expected == VertexCounts { s, t }));
                 let outside = |raster: Vec2| raster.min_element() < 0.0 || raster.max_element() >= 1.0;
                 if !found.raster.is_some_and(outside) {
                     let value = f64::from(found.light[0] * found.weight) / f64::from(samples);
@@ -333,7 +333,7 @@ fn technique_alone<'a, V: Volume<'a>>(scene: &'a Scene) {
             let all = &mut |found: Contribution, _: &Wavelengths| take(0, None, &found);
             it.estimate(ctx.draws, &mut rays, place, &mut path, AllTechniques(None), all);
             for points in 2..=5 {
-                for technique in (0..points).map(|s| Technique { s, t: points - s }) {
+                for technique in (0..points).map(|s| VertexCounts { s, t: points - s }) {
                     let alone = &mut |found: Contribution, _: &Wavelengths| take(1, Some(technique), &found);
                     it.estimate(ctx.draws, &mut rays, place, &mut path, technique, alone);
                 }

@@ -171,7 +171,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Sampl
         for i in 1..=path.len() {
             let y = &path[i - 1];
             for j in 1..=views.len() {
-                let technique = Technique { s: i as u32 + 1, t: j as u32 + 1 };
+                let technique = VertexCounts { s: i as u32 + 1, t: j as u32 + 1 };
                 if let Some(found) = it.join(y, &views[j - 1], technique, began, &mut again, &mut rays) {
                     whole(&path[..i], &views[..j], Sampled::Connected(i + 1), found.weight);
                     if let Some(merging) = merging {
@@ -181,7 +181,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Sampl
                 }
             }
             if let Some(found) =
-                it.splat(y, Technique { s: i as u32 + 1, t: 1 }, began, &mut again, &mut rays)
+                it.splat(y, VertexCounts { s: i as u32 + 1, t: 1 }, began, &mut again, &mut rays)
             {
                 whole(&path[..i], &[], Sampled::Connected(i + 1), found.weight);
             }

@@ -1,4 +1,4 @@
-//! What the paths of a pass tell of the light that comes to places, summed exactly.
+//! The records of the paths of a pass, of the light that comes to points in cells, summed exactly.
 //!
 //! A record is a direction in which a path left a vertex, with the density `p` of the mixture, and the light `c` that came back along it, scattered towards the
 //! path: what lights gave at the next vertex, and what surfaces send back there of light that was scattered before. That is taken from the
@@ -32,11 +32,11 @@ const WORTHWHILE: f64 = 0.02;
 /// Makes logarithms of ratios of densities positive.
 const OFFSET: f64 = 20.0;
 
-/// The share of a cell whose guide nobody has tried.
+/// The initial share of scattering in a cell whose guide no path has used yet.
 const FIRST_SHARE: f32 = 0.5;
 
 /// Effective records by which paths that were not guided can judge a guide.
-pub const TELLING: f32 = 8.0;
+pub const LEAST_RECORDS: f32 = 8.0;
 
 /// A square is divided that holds more than this share of its tree, and more than so many effective records.
 const DIVIDED: f32 = 0.01;
@@ -52,7 +52,7 @@ const FIRST_DIVIDED: f32 = 0.02;
 const EVEN: f32 = 0.1;
 const PRIOR: f32 = 8.0;
 
-/// How many photons are worth as much there as a cosine.
+/// Number of photons that weigh as much as the cosine prior.
 const TRUSTED_PHOTONS: f64 = 16.0;
 
 /// What records count for of which there are newer ones.
@@ -116,7 +116,7 @@ struct Counted {
 pub struct GuideRecord {
     pub cell: u32,
     /// The direction in the square; none for single directions.
-    pub place: Option<Vec2>,
+    pub position: Option<Vec2>,
     /// Density of the mixture; of a single direction the probability with which scattering was asked.
     pub p: f32,
     /// Density of scattering; of a single direction 1.
@@ -148,20 +148,21 @@ impl Collector {
     pub fn new(field: &Field, unit: f64) -> Collector {
         let mut collector = Collector { squares: Vec::new(), cells: Vec::new(), unit };
         for cell in &field.cells {
-            let root = collector.grow(&field.nodes, cell.guide, (1.0, threshold(cell)), 0);
+            let root = collector.grow(&field.nodes, cell.guide, Division::of_all(threshold(cell)));
             collector.cells.push(Counted { root, ..Counted::default() });
         }
         collector
     }
 
     /// Makes squares as small as what they hold asks for; returns the one that holds all.
-    fn grow(&mut self, nodes: &[Node], of: Option<u32>, (share, least): (f32, f32), depth: u32) -> u32 {
+    fn grow(&mut self, nodes: &[Node], of: Option<u32>, square: Division) -> u32 {
         let at = self.squares.len();
         self.squares.push(Square { children: [LEAF; 4], sums: Default::default() });
         for i in 0..4 {
             let (within, child) = quarter_of(nodes, of, i);
-            if share * within > least && depth + 1 < DEPTH {
-                self.squares[at].children[i] = self.grow(nodes, child, (share * within, least), depth + 1);
+            let quarter = square.quarter(within);
+            if quarter.share > quarter.least && quarter.depth < DEPTH {
+                self.squares[at].children[i] = self.grow(nodes, child, quarter);
             }
         }
         at as u32
@@ -182,8 +183,8 @@ impl Collector {
             let ratio = p / (share * p_scattering + (1.0 - share) * p_guide);
             divergence.add(x * (ln64(ratio) + OFFSET).clamp(0.0, 2.0 * OFFSET));
         }
-        match record.place {
-            Some(place) => self.add_light(cell, place, x),
+        match record.position {
+            Some(position) => self.add_light(cell, position, x),
             None => {
                 cell.x[0].add(x);
                 cell.x[1].add(x * x);
@@ -191,40 +192,42 @@ impl Collector {
         }
     }
 
-    /// Adds light that comes to a place from a place of the square.
-    pub fn add_photon(&self, cell: u32, place: Vec2, power: f32) {
+    /// Adds the power of a photon to a cell.
+    ///
+    /// * `position`: of the direction that it came from, in the square
+    pub fn add_photon(&self, cell: u32, position: Vec2, power: f32) {
         let counted = &self.cells[cell as usize];
         counted.records.fetch_add(1, Relaxed);
         let x = f64::from(power) / self.unit;
         if x.is_finite() && x > 0.0 {
-            self.add_light(counted, place, x);
+            self.add_light(counted, position, x);
         }
     }
 
-    fn add_light(&self, cell: &Counted, mut place: Vec2, x: f64) {
+    fn add_light(&self, cell: &Counted, mut position: Vec2, x: f64) {
         cell.x[0].add(x);
         cell.x[1].add(x * x);
         let mut at = cell.root;
         loop {
             let square = &self.squares[at as usize];
-            let (i, within) = quadtree::quarter(place);
-            (at, place) = (square.children[i], within);
+            let (i, within) = quadtree::quarter(position);
+            (at, position) = (square.children[i], within);
             if at == LEAF {
                 return square.sums[i].add(x);
             }
         }
     }
 
-    /// Puts what was learned into the field.
+    /// Puts the sums into the field.
     ///
-    /// * `photons`: what photons say of the same cells
-    pub fn teach(&self, field: &mut Field, photons: Option<&Collector>) {
+    /// * `photons`: the sums over photons of the same cells
+    pub fn update_field(&self, field: &mut Field, photons: Option<&Collector>) {
         let (mut nodes, mut found) =
             (Vec::with_capacity(self.squares.len()), Vec::with_capacity(self.squares.len()));
         let sides = field.sides();
         for (i, (counted, &side)) in self.cells.iter().zip(&sides).enumerate() {
             let cell = &mut field.cells[i];
-            let is_tried = cell.guide.is_some() && counted.effective() >= TELLING;
+            let is_tried = cell.guide.is_some() && counted.effective() >= LEAST_RECORDS;
             let old = Old { nodes: &field.found, energy: OLD * cell.known.energy };
             let new = self.energy(counted.root);
             let [x, squares] = [0, 1].map(|i| counted.x[i].value());
@@ -240,7 +243,7 @@ impl Collector {
             let photons =
                 photons.map(|photons| (photons, photons.energy(counted.root))).filter(|(_, sum)| *sum > 0.0);
             if known.energy > 0.0 || photons.is_some() {
-                let (axis, whole) = (axis_of(side), (Vec2::ZERO, 1.0));
+                let (axis, whole) = (axis_of(side), SquareBounds::WHOLE);
                 let prior = self.prior(counted.root, whole, axis);
                 let even = match known.energy > 0.0 {
                     true => f64::from(EVEN.max(PRIOR / (PRIOR + known.effective()))),
@@ -257,7 +260,9 @@ impl Collector {
                     axis,
                     old,
                 };
-                self.freeze((&mut nodes, &mut found), counted.root, whole, (&freezing, (cell.guide, 1.0)));
+                let trees = FrozenTrees { nodes: &mut nodes, found: &mut found };
+                let old = OldSquare { node: cell.guide, share: 1.0 };
+                self.freeze(trees, counted.root, whole, &freezing, old);
             }
             cell.known = known;
             [cell.light, cell.direct] =
@@ -283,38 +288,36 @@ impl Collector {
     }
 
     /// What it would hold if nothing were known.
-    fn prior(&self, square: u32, (corner, side): (Vec2, f32), axis: Vec3) -> f64 {
+    fn prior(&self, square: u32, bounds: SquareBounds, axis: Vec3) -> f64 {
         let square = &self.squares[square as usize];
         let quarter = |i: usize| match square.children[i] {
-            LEAF => unknown(quarter_at(corner, side, i), axis),
-            child => self.prior(child, quarter_at(corner, side, i), axis),
+            LEAF => unknown(bounds.quarter(i), axis),
+            child => self.prior(child, bounds.quarter(i), axis),
         };
         (0..4).map(quarter).sum()
     }
 
     /// The tree of a square as it is drawn by, and that of what was found; returns what both hold.
-    ///
-    /// * `old`: the node of the tree that was, and the share of it that the square has
     fn freeze(
         &self,
-        trees: (&mut Vec<Node>, &mut Vec<Node>),
+        FrozenTrees { nodes, found }: FrozenTrees<'_>,
         square: u32,
-        (corner, side): (Vec2, f32),
-        (by, old): (&Freezing<'_>, (Option<u32>, f64)),
+        bounds: SquareBounds,
+        by: &Freezing<'_>,
+        old: OldSquare,
     ) -> [f64; 2] {
-        let (nodes, found) = trees;
         let at = nodes.len();
         let empty = Node { shares: [0.25; 4], children: [LEAF; 4] };
         nodes.push(empty);
         found.push(empty);
         let (mut held, mut held_found) = ([0.0; 4], [0.0; 4]);
         for i in 0..4 {
-            let quarter = quarter_at(corner, side, i);
-            let (within, child_of_old) = quarter_of(by.old.nodes, old.0, i);
-            let old = (child_of_old, old.1 * f64::from(within));
+            let quarter = bounds.quarter(i);
+            let (within, child_of_old) = quarter_of(by.old.nodes, old.node, i);
+            let old = OldSquare { node: child_of_old, share: old.share * f64::from(within) };
             [held[i], held_found[i]] = match self.squares[square as usize].children[i] {
                 LEAF => {
-                    let energy = self.squares[square as usize].sums[i].value() + by.old.energy * old.1;
+                    let energy = self.squares[square as usize].sums[i].value() + by.old.energy * old.share;
                     let sum_of = |of: &Collector| of.squares[square as usize].sums[i].value();
                     let photons = by.photons.map_or(0.0, |(photons, weight)| weight * sum_of(photons));
                     [by.paths * energy + photons + by.unknown * unknown(quarter, by.axis), energy]
@@ -322,7 +325,7 @@ impl Collector {
                 child => {
                     let next = nodes.len() as u32;
                     (nodes[at].children[i], found[at].children[i]) = (next, next);
-                    self.freeze((&mut *nodes, &mut *found), child, quarter, (by, old))
+                    self.freeze(FrozenTrees { nodes, found }, child, quarter, by, old)
                 }
             };
         }
@@ -334,6 +337,59 @@ impl Collector {
             all
         })
     }
+}
+
+/// What of a tree a square has, while it is divided.
+#[derive(Clone, Copy)]
+struct Division {
+    /// Its share of the energy of the tree.
+    share: f32,
+    /// Squares with a larger share than this are divided.
+    least: f32,
+    /// How often it has been divided.
+    depth: u32,
+}
+
+impl Division {
+    fn of_all(least: f32) -> Division {
+        Division { share: 1.0, least, depth: 0 }
+    }
+
+    /// A quarter with a share of the square.
+    fn quarter(self, within: f32) -> Division {
+        Division { share: self.share * within, depth: self.depth + 1, ..self }
+    }
+}
+
+/// A square of the unit square.
+#[derive(Clone, Copy)]
+struct SquareBounds {
+    corner: Vec2,
+    side: f32,
+}
+
+impl SquareBounds {
+    const WHOLE: SquareBounds = SquareBounds { corner: Vec2::ZERO, side: 1.0 };
+
+    fn quarter(self, i: usize) -> SquareBounds {
+        let side = 0.5 * self.side;
+        let corner = self.corner + side * Vec2::new((i % 2) as f32, (i / 2) as f32);
+        SquareBounds { corner, side }
+    }
+}
+
+/// The trees of all cells: as directions are drawn by them, and of what was found.
+struct FrozenTrees<'t> {
+    nodes: &'t mut Vec<Node>,
+    found: &'t mut Vec<Node>,
+}
+
+/// A square in the tree of the pass before.
+#[derive(Clone, Copy)]
+struct OldSquare {
+    node: Option<u32>,
+    /// The share of that tree that it has.
+    share: f64,
 }
 
 /// What a tree is made of.
@@ -352,14 +408,8 @@ struct Old<'c> {
     energy: f64,
 }
 
-/// A quarter of a square, by its corner and its side.
-fn quarter_at(corner: Vec2, side: f32, i: usize) -> (Vec2, f32) {
-    let side = 0.5 * side;
-    (corner + side * Vec2::new((i % 2) as f32, (i / 2) as f32), side)
-}
-
 /// What a square has where nothing is known: light from all over, seen by a surface that faces an axis.
-fn unknown((corner, side): (Vec2, f32), axis: Vec3) -> f64 {
+fn unknown(SquareBounds { corner, side }: SquareBounds, axis: Vec3) -> f64 {
     let w = quadtree::from_square(corner + 0.5 * side);
     f64::from(side * side * (w.dot(axis).max(0.0) + LEAST_COSINE))
 }
@@ -458,7 +508,7 @@ mod tests {
         let p = quadtree::UNIFORM;
         GuideRecord {
             cell: 0,
-            place: Some(place),
+            position: Some(place),
             p,
             p_scattering: p,
             p_guide: p,
@@ -490,7 +540,7 @@ mod tests {
         for _ in 0..3 {
             let collector = Collector::new(&field, 3.0);
             (0..200_000).for_each(|i| collector.add(&record(i)));
-            collector.teach(&mut field, None);
+            collector.update_field(&mut field, None);
         }
         let cell = field.cells[0];
         let guide = cell.guide.unwrap();
@@ -519,11 +569,11 @@ mod tests {
             let mut field = field();
             let first = Collector::new(&field, 1.0);
             first.add(&GuideRecord { x: 1.0, ..record(0) });
-            first.teach(&mut field, None);
+            first.update_field(&mut field, None);
             assert_eq!(field.cells[0].share, FIRST_SHARE);
             let collector = Collector::new(&field, 1.0);
             (0..100).for_each(|i| collector.add(&GuideRecord { x: 1.0, p_guide, ..record(i) }));
-            collector.teach(&mut field, None);
+            collector.update_field(&mut field, None);
             assert_eq!(field.cells[0].share, expected, "{p_guide}");
         }
     }
@@ -535,8 +585,9 @@ mod tests {
         let places = [Vec2::new(0.3, 0.6), Vec2::new(0.9, 0.1)];
         for place in places {
             let collector = Collector::new(&field, 1.0);
-            (0..1000).for_each(|i| collector.add(&GuideRecord { x: 1.0, place: Some(place), ..record(i) }));
-            collector.teach(&mut field, None);
+            (0..1000)
+                .for_each(|i| collector.add(&GuideRecord { x: 1.0, position: Some(place), ..record(i) }));
+            collector.update_field(&mut field, None);
         }
         let guide = field.cells[0].guide.unwrap();
         let share = |nodes: &[Node], place: Vec2| {
@@ -551,15 +602,15 @@ mod tests {
         assert_eq!((known.records, known.x), (1500.0, 1500.0));
     }
 
-    /// Of places that no path has told of photons alone know.
+    /// Cells without records of paths use photons alone.
     #[test]
-    fn photons_teach_where_paths_have_found_nothing() {
+    fn photons_fill_cells_where_paths_have_found_nothing() {
         let mut field = field();
         let place = Vec2::new(0.3, 0.6);
         for _ in 0..3 {
             let photons = Collector::new(&field, 1.0);
             (0..1000).for_each(|_| photons.add_photon(0, place, 1.0));
-            Collector::new(&field, 1.0).teach(&mut field, Some(&photons));
+            Collector::new(&field, 1.0).update_field(&mut field, Some(&photons));
         }
         let guide = field.cells[0].guide.unwrap();
         assert!(density(&field.nodes, guide, place) > 20.0 * quadtree::UNIFORM);

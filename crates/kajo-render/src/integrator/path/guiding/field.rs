@@ -42,7 +42,7 @@ pub struct Known {
     pub squares: f64,
     /// Of the light that came from directions of the tree.
     pub energy: f64,
-    /// Photons that have told of light there.
+    /// Number of photons recorded there.
     pub photons: f32,
 }
 
@@ -119,7 +119,7 @@ impl Field {
     ///
     /// * `counts`: what each cell has had
     /// * `most`: how much a cell may have; halves are taken to have half of it
-    /// * `split`: told of the new cell that gets a half of an old one; `false` when there is no room for it
+    /// * `split`: called with the new cell that gets a half of an old one; `false` when there is no room for it
     pub fn divide(&mut self, counts: &[f32], most: f32, mut split: impl FnMut(u32) -> bool) {
         for root in 0..SIDES {
             // What remains to be looked at: which link leads there, its box, the records in it.

@@ -1,12 +1,21 @@
 //! Path guiding: directions drawn by where light has come from [Müller, Gross and Novák 2017], [Müller 2019].
 //!
-//! Before the picture is taken, photons and paths are followed that nobody will see. What light they find is written down for the places and
+//! Before the picture is taken, photons and training paths are followed, which do not contribute to the picture. The light that they find is recorded for the places and
 //! directions that it came from, in passes each of which is twice as long as the one before, and is guided by what was learned by then. The
 //! picture's own paths go on, at surfaces that reflect light into more than single directions, by a mixture of scattering and what is known of the
 //! place; its share is that by which the paths of the last pass would have been the closest to the light. A light is drawn at every vertex as ever.
 //!
+//! At a vertex the reflected light is the integral of `f |cos| Li` over directions. One direction estimates it, drawn with the density per solid angle
+//!
+//! ```text
+//! p(w) = a p_s(w) + (1 - a) p_g(w),        beta <- beta f |cos| / p(w)
+//! ```
+//!
+//! of scattering, `p_s`, and of the guide of the cell that the vertex is in, `p_g`: piecewise constant on a tree of squares, which map to the sphere by equal
+//! areas. The share `a` is chosen for each cell; see `collector.rs`. In MIS weights against the draw of a light `p` stands in the place of `p_s`.
+//!
 //! What was learned is a function of the scene, the seed and the settings: records are summed in whole numbers, and trees change between
-//! passes only. The paths of the picture are independent of those that taught, so that each of their samples is unbiased by itself.
+//! passes only. The paths of the picture are independent of the training paths, so that each of their samples is unbiased by itself.
 //!
 //! Where a guide is of no use the picture is taken without, and then it has the same bits as if none had been asked for.
 
@@ -21,12 +30,12 @@ use kajo_core::light::LightVisibility;
 use kajo_core::scene::Scene;
 use kajo_math::{Vec2, Vec3, fmath};
 
-use super::{IndirectLight, Leaving, Path, PathSettings, Sampled, Worth, learned};
+use super::{GuidedDirection, IndirectLight, Path, PathSettings, Sampled, Worth, learned};
 use crate::integrator::Integrator;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, RayCounters, SampleContext};
 use crate::{Setup, SetupError, WithState};
-use collector::{GuideRecord, TELLING};
+use collector::{GuideRecord, LEAST_RECORDS};
 use field::{Cell, Field};
 use training::{LEAST_GAIN, Training};
 
@@ -97,16 +106,16 @@ impl Integrator for GuidedPath<'_> {
             }
             false => None,
         };
-        let lesson = Training::new(&self.plain, visibility.as_ref(), self.path.settings.training, setup)
+        let outcome = Training::new(&self.plain, visibility.as_ref(), self.path.settings.training, setup)
             .learn(self.least_gain)?;
-        rays += lesson.rays;
-        let integrator = Box::new(Taught { path: &self.path, visibility, field: lesson.field });
-        Ok(WithState { integrator, rays, notes: lesson.notes })
+        rays += outcome.rays;
+        let integrator = Box::new(TrainedPath { path: &self.path, visibility, field: outcome.field });
+        Ok(WithState { integrator, rays, notes: outcome.notes })
     }
 }
 
-/// A path tracer with what it has learned.
-struct Taught<'a> {
+/// A path tracer with its guide.
+struct TrainedPath<'a> {
     path: &'a Path<'a>,
     /// Which lights arrive, where lights are chosen by that.
     visibility: Option<LightVisibility>,
@@ -114,7 +123,7 @@ struct Taught<'a> {
     field: Option<Field>,
 }
 
-impl Integrator for Taught<'_> {
+impl Integrator for TrainedPath<'_> {
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
@@ -130,7 +139,7 @@ impl Integrator for Taught<'_> {
     }
 }
 
-/// Knows where light has come from.
+/// The guide of one path: densities by where light has come from.
 struct Guide<'f> {
     field: &'f Field,
     /// Where the path is, if it is guided there.
@@ -156,7 +165,7 @@ struct Split {
     gain: f32,
 }
 
-/// What a path tells of the light that came to it.
+/// What a training path records of the light that came to it.
 #[derive(Default)]
 struct Records {
     vertices: Vec<Vertex>,
@@ -202,7 +211,7 @@ impl<'f> Guide<'f> {
     ///
     /// * `beta`: what it carries, as the sum of its lanes
     fn worth_of(&mut self, beta: f32, known: &Cell) -> Worth {
-        if known.guide.is_none() || known.known.effective() < TELLING {
+        if known.guide.is_none() || known.known.effective() < LEAST_RECORDS {
             return Worth::Unknown;
         }
         let reference = *self.reference.get_or_insert(beta * (known.light + known.direct));
@@ -301,24 +310,24 @@ impl IndirectLight for Guide<'_> {
     #[inline]
     fn draw(&self, u: Vec2) -> (Vec3, f32) {
         let Some((_, Cell { guide: Some(guide), .. })) = self.at else { return (Vec3::Z, 0.0) };
-        let (place, density) = quadtree::sample(&self.field.nodes, guide, u);
-        (quadtree::from_square(place), density)
+        let (position, density) = quadtree::sample(&self.field.nodes, guide, u);
+        (quadtree::from_square(position), density)
     }
 
-    fn leaves(&mut self, by: &Leaving) {
-        let &Leaving { w, p, p_scattering, p_guide, beta } = by;
+    fn leaves(&mut self, by: &GuidedDirection) {
+        let &GuidedDirection { w, p, p_scattering, p_guide, beta } = by;
         let ratio = p / p_scattering;
         self.gain = (self.gain * if ratio.is_nan() { 1.0 } else { ratio }).min(MOST_GAIN);
         if let (Some(records), Some((cell, _))) = (&mut self.records, self.at) {
-            let place = w.map(quadtree::to_square);
-            records.push(GuideRecord { cell, place, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
+            let position = w.map(quadtree::to_square);
+            records.push(GuideRecord { cell, position, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
         }
     }
 
     fn fails(&mut self, beta: Spectrum) {
         if let (Some(records), Some((cell, _))) = (&mut self.records, self.at) {
-            let (place, p, p_scattering, p_guide) = (None, 1.0, 1.0, 1.0);
-            records.push(GuideRecord { cell, place, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
+            let (position, p, p_scattering, p_guide) = (None, 1.0, 1.0, 1.0);
+            records.push(GuideRecord { cell, position, p, p_scattering, p_guide, x: 0.0, direct: 0.0 }, beta);
         }
     }
 

@@ -82,9 +82,9 @@ fn always_guided(scene: &Scene, settings: PathSettings) -> GuidedPath<'_> {
 
 /// * `seed`: of the training, and of the picture
 fn guided_picture(path: &GuidedPath<'_>, samples: u32, seed: u64) -> Image {
-    let taught = learned(path, &setup(seed));
-    assert!(taught.notes.is_empty() && taught.rays.total() > 0, "{:?}", taught.notes);
-    picture(&*taught.integrator, &schedule(samples, seed))
+    let trained = learned(path, &setup(seed));
+    assert!(trained.notes.is_empty() && trained.rays.total() > 0, "{:?}", trained.notes);
+    picture(&*trained.integrator, &schedule(samples, seed))
 }
 
 fn learned<'a>(path: &'a GuidedPath<'_>, setup: &Setup<'_>) -> WithState<'a> {
@@ -218,8 +218,8 @@ fn a_guide_keeps_to_its_memory() {
     let path = guided(&scene, settings(100));
     for memory in [0, 1 << 16, 1 << 20] {
         let setup = Setup { memory, ..setup(0) };
-        let lesson = Training::new(&path.plain, None, 100, &setup).learn(f64::NEG_INFINITY).unwrap();
-        let field = lesson.field.unwrap();
+        let outcome = Training::new(&path.plain, None, 100, &setup).learn(f64::NEG_INFINITY).unwrap();
+        let field = outcome.field.unwrap();
         let bytes = field.nodes.len() * size_of::<quadtree::Node>();
         assert!(bytes as u64 <= memory.max(1 << 16), "{memory}: {bytes}");
     }

@@ -1,8 +1,8 @@
-//! How a guide learns.
+//! The training of a guide.
 //!
 //! Photons come first: where they arrive, of light that connections with a light do not find, is where paths should look. Then paths are
 //! followed in passes, pass `k` with `2^k` times as many as the first, spread over the whole picture. The first goes by scattering, and
-//! says how much light surfaces send back; each other one is guided by what all before it have taught. Between passes squares and cells are divided where
+//! records how much light surfaces send back; each other one is guided by the records of all before it. Between passes squares and cells are divided where
 //! much was found.
 //!
 //! Along a path the mixture's densities over those of scattering multiply to the *gain* `g`. Its logarithm, weighed by the light that is found,
@@ -67,17 +67,17 @@ const MOST_EFFECTIVE: f32 = 50.0;
 /// What the mean logarithm of the gain has to be after the second guided pass, and after the last.
 pub const LEAST_GAIN: f64 = 0.1;
 
-/// What a guide has learned.
-pub struct Lesson {
+/// What the training has made.
+pub struct TrainingOutcome {
     /// None where it is of no use.
     pub field: Option<Field>,
     /// Rays that it took.
     pub rays: RayCounters,
-    /// What is worth knowing of it.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// Teaches.
+/// The training passes before a render.
 pub struct Training<'t, 'a> {
     path: &'t Path<'a>,
     /// Which lights arrive, where lights are chosen by that.
@@ -87,9 +87,17 @@ pub struct Training<'t, 'a> {
     setup: &'t Setup<'t>,
 }
 
-/// What a pass, or a task of it, says of all its paths.
+/// Which paths a pass follows.
+struct TrainingPass {
+    /// Sets the random numbers of passes apart.
+    k: u32,
+    /// How many at least.
+    paths: u64,
+}
+
+/// Sums over all paths of a pass, or of a task of it.
 #[derive(Clone, Copy, Default)]
-struct Found {
+struct PassTotals {
     rays: RayCounters,
     /// All light, and that times the logarithm of the gain.
     light: f64,
@@ -120,25 +128,26 @@ impl<'t, 'a> Training<'t, 'a> {
     ///
     /// # Errors
     /// [`SetupError`]
-    pub fn learn(&self, least_gain: f64) -> Result<Lesson, SetupError> {
-        let mut lesson = Lesson { field: None, rays: RayCounters::default(), notes: Vec::new() };
+    pub fn learn(&self, least_gain: f64) -> Result<TrainingOutcome, SetupError> {
+        let mut outcome = TrainingOutcome { field: None, rays: RayCounters::default(), notes: Vec::new() };
         if self.first < FEWEST {
-            lesson.notes.push(
+            outcome.notes.push(
                 "too few samples for a guide to learn from: directions are drawn by scattering".to_owned(),
             );
-            return Ok(lesson);
+            return Ok(outcome);
         }
         let mut field = Field::new(self.path.view.scene.geometry.bounds());
-        let probe = self.pass(&field, None, (PASSES, PROBES.min(self.first)))?;
-        lesson.rays += probe.rays;
+        let probe = TrainingPass { k: PASSES, paths: PROBES.min(self.first) };
+        let probe = self.pass(&field, None, probe)?;
+        outcome.rays += probe.rays;
         let unit = probe.x / probe.records as f64;
         if !(unit.is_finite() && unit > 0.0) {
-            lesson.notes.push("no path has found any light that a guide could learn from".to_owned());
-            return Ok(lesson);
+            outcome.notes.push("no path has found any light that a guide could learn from".to_owned());
+            return Ok(outcome);
         }
         let (photons, rays) = self.ask_photons(&mut field, unit)?;
-        lesson.rays += rays;
-        // The first pass goes by scattering, whatever photons have taught.
+        outcome.rays += rays;
+        // The first pass goes by scattering alone, whatever photons have recorded.
         field.cells.iter_mut().for_each(|cell| cell.share = 1.0);
         let mut effective = Vec::new();
         for k in 0..PASSES {
@@ -147,23 +156,23 @@ impl<'t, 'a> Training<'t, 'a> {
                 divide(&mut field, &effective, most, self.setup.memory);
             }
             let collector = Collector::new(&field, unit);
-            let found = self.pass(&field, Some(&collector), (k, self.first << k))?;
-            lesson.rays += found.rays;
+            let found = self.pass(&field, Some(&collector), TrainingPass { k, paths: self.first << k })?;
+            outcome.rays += found.rays;
             let is_judged = k == JUDGED || k + 1 == PASSES;
             if is_judged && (found.gain() < least_gain || found.gain().is_nan()) {
-                lesson.notes.push(
+                outcome.notes.push(
                     "a guide would not make this picture less noisy: directions are drawn by scattering"
                         .to_owned(),
                 );
-                return Ok(lesson);
+                return Ok(outcome);
             }
             let photons = photons.as_ref().map(|photons| photons.sort(&field));
-            collector.teach(&mut field, photons.as_ref());
+            collector.update_field(&mut field, photons.as_ref());
             effective.clear();
             effective.extend(field.cells.iter().map(|cell| cell.known.effective()));
         }
-        lesson.field = Some(field);
-        Ok(lesson)
+        outcome.field = Some(field);
+        Ok(outcome)
     }
 
     /// Lets photons tell where light comes from that connections do not find; returns them and the rays that they took.
@@ -194,7 +203,7 @@ impl<'t, 'a> Training<'t, 'a> {
         // Trees as fine as what they hold asks for.
         for _ in 0..2 {
             let sorted = photons.sort(field);
-            Collector::new(field, unit).teach(field, Some(&sorted));
+            Collector::new(field, unit).update_field(field, Some(&sorted));
         }
         Ok((Some(photons), batch.rays))
     }
@@ -202,14 +211,12 @@ impl<'t, 'a> Training<'t, 'a> {
     /// Follows paths.
     ///
     /// * `collector`: where records go
-    /// * `k`: sets the numbers of passes apart
-    /// * `n`: how many paths at least
     fn pass(
         &self,
         field: &Field,
         collector: Option<&Collector>,
-        (k, n): (u32, u64),
-    ) -> Result<Found, SetupError> {
+        TrainingPass { k, paths: n }: TrainingPass,
+    ) -> Result<PassTotals, SetupError> {
         let [width, height] = self.path.view.size.map(u64::from);
         let pixels = width * height;
         let rounds = n.div_ceil(pixels);
@@ -219,7 +226,7 @@ impl<'t, 'a> Training<'t, 'a> {
         let paths = rounds * of_round;
         let tasks = self.setup.tasks(paths.div_ceil(PATHS_OF_TASK) as u32, |task| {
             let mut ctx = SampleContext::new(&sampler, seed);
-            let mut found = Found::default();
+            let mut found = PassTotals::default();
             let mut records = Records::new((2..PASSES).contains(&k));
             let begin = u64::from(task) * PATHS_OF_TASK;
             for i in begin..(begin + PATHS_OF_TASK).min(paths) {
@@ -246,9 +253,9 @@ impl<'t, 'a> Training<'t, 'a> {
                     }
                 }
             }
-            Ok(Found { rays: ctx.rays, ..found })
+            Ok(PassTotals { rays: ctx.rays, ..found })
         })?;
-        let mut all = Found::default();
+        let mut all = PassTotals::default();
         for task in tasks {
             all.rays += task.rays;
             all.light += task.light;
@@ -260,7 +267,7 @@ impl<'t, 'a> Training<'t, 'a> {
     }
 }
 
-impl Found {
+impl PassTotals {
     /// The mean logarithm of the gain; not a number without any light.
     fn gain(&self) -> f64 {
         self.nats / self.light
@@ -279,8 +286,8 @@ impl Photons {
     fn sort(&self, field: &Field) -> Collector {
         let collector = Collector::new(field, self.unit);
         for photon in &self.photons {
-            let place = quadtree::to_square(photon.wi());
-            collector.add_photon(cell_of(field, photon), place, sum_of(photon.power()) as f32);
+            let position = quadtree::to_square(photon.wi());
+            collector.add_photon(cell_of(field, photon), position, sum_of(photon.power()) as f32);
         }
         collector
     }

@@ -284,9 +284,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             _ => Some(li.radiance),
         };
         let Some(radiance) = radiance else { return };
-        let carried = state.beta * scattered * chain.throughput;
+        let carried = state.beta * scattered * chain.beta;
         let q = choice * pdf * found.density;
         let p = directions::pdf(settings.directions, bsdf, local.wo, wi) * chain.probability;
+        // [Veach 1997, eq. 9.15], both densities per solid angle of the direction in which the chain leaves the surface.
         let weight = match settings.technique {
             Technique::Combined if !li.is_delta => power_heuristic(q, p),
             _ => 1.0,

@@ -1,4 +1,4 @@
-//! Directions drawn with the help of a guide, which knows where light has come from to places like this one.
+//! Directions drawn with the help of a guide, which holds where light has come from to points of the same cell.
 //!
 //! With the density `p_s` of scattering and `p_g` of the guide a direction is drawn by one of both, with the chances `a` and `1 - a`, and counts
 //! by the density of the mixture,
@@ -14,7 +14,10 @@ use kajo_color::Spectrum;
 use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
 use kajo_math::Vec2;
 
-use super::{CameraPath, Fork, IndirectLight, Leaving, PathTracer, Shaded, Worth, survives_guided};
+use super::{
+    CameraPath, Fork, GuidedDirection, IndirectLight, PathTracer, SampledDirection, Shaded, Worth,
+    survives_guided,
+};
 use crate::integrator::transport::{LocalFrame, PathState, SurfaceInteraction};
 use crate::trail::PathObserver;
 
@@ -99,13 +102,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             let Some((mut sample, wi)) = drawn else { return self.fail(beta) };
             if sample.kind.delta {
                 sample.weight *= 1.0 / share;
-                (sample, wi, Leaving { w: None, p: share, p_scattering: 1.0, p_guide: 0.0, beta })
+                (sample, wi, GuidedDirection { w: None, p: share, p_scattering: 1.0, p_guide: 0.0, beta })
             } else {
                 let (p, p_guide) = self.indirect.mixed(wi, sample.pdf);
                 let p_scattering = sample.pdf;
                 sample.weight *= p_scattering / p;
                 sample.pdf = p;
-                (sample, wi, Leaving { w: Some(wi), p, p_scattering, p_guide, beta })
+                (sample, wi, GuidedDirection { w: Some(wi), p, p_scattering, p_guide, beta })
             }
         } else {
             let (w, p_guide) = self.indirect.draw(u);
@@ -120,17 +123,17 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             }
             let kind = ScatterKind { transmission: false, delta: false, straight: false };
             let sample = BsdfSample { wi, weight, pdf: p, kind, eta: 1.0 };
-            (sample, w, Leaving { w: Some(w), p, p_scattering, p_guide, beta })
+            (sample, w, GuidedDirection { w: Some(w), p, p_scattering, p_guide, beta })
         };
         self.indirect.leaves(&left);
-        if !path.go_along(scene, settings, at, (&sample, wi), self.observer) {
+        if !path.go_along(scene, settings, at, SampledDirection { sample: &sample, wi }, self.observer) {
             return false;
         }
         let plays = settings.roulette && self.indirect.worth() == Worth::Unknown;
         survives_guided(&mut path.state, path.bounces, plays, self.gain())
     }
 
-    /// Takes the path along a direction of scattering where nothing is known of light.
+    /// Takes the path along a direction of scattering where there is no guide.
     fn go_on_unguided(&mut self, path: &mut CameraPath<'s>, at: Shaded<'_>) -> bool {
         let draws = &mut path.state.draws;
         let (u, choice) = (draws.next_2d(), draws.number_if(at.bsdf.is_choosy()));
@@ -138,7 +141,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let Some((sample, wi)) = drawn.and_then(|sample| Some((sample, at.local.to_world(&sample)?))) else {
             return false;
         };
-        path.go_along(self.view.scene, self.settings, at, (&sample, wi), self.observer)
+        let drawn = SampledDirection { sample: &sample, wi };
+        path.go_along(self.view.scene, self.settings, at, drawn, self.observer)
             && survives_guided(&mut path.state, path.bounces, self.settings.roulette, self.gain())
     }
 

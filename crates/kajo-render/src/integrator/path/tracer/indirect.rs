@@ -40,7 +40,7 @@ pub enum Indirect {
     Unknown,
     /// Its irradiance.
     Irradiance(Spectrum),
-    /// Nobody wants to know: the path ends.
+    /// Not needed: the path ends.
     Unwanted,
 }
 
@@ -111,7 +111,7 @@ pub trait IndirectLight {
     }
 
     /// The path goes on from where it has come to.
-    fn leaves(&mut self, _by: &Leaving) {}
+    fn leaves(&mut self, _by: &GuidedDirection) {}
 
     /// The path ends where it has come to: the direction that was drawn is none that light could come from.
     fn fails(&mut self, _beta: Spectrum) {}
@@ -149,7 +149,7 @@ pub enum Worth {
 
 /// A direction in which a path goes on from a surface at which it is guided.
 #[derive(Clone, Copy, Debug)]
-pub struct Leaving {
+pub struct GuidedDirection {
     /// Unit direction in world space; none for single directions.
     pub w: Option<Vec3>,
     /// Density of the mixture; of a single direction the probability with which scattering was asked.
@@ -162,7 +162,7 @@ pub struct Leaving {
     pub beta: Spectrum,
 }
 
-/// Nobody knows: all light is sampled.
+/// No known indirect light: all is sampled.
 pub struct Sampled;
 
 impl IndirectLight for Sampled {
@@ -179,7 +179,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path: &mut CameraPath<'s>,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'s>,
-        (local, shading): (&LocalFrame, &Shading),
+        local: &LocalFrame,
+        shading: &Shading,
     ) -> Option<bool> {
         if path.bounces != 0 || self.settings.bounces == 0 {
             return None;
