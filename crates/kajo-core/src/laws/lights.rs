@@ -135,6 +135,8 @@ fn samples_and_densities_for_a_receiver_agree() {
             let same = (again / sample.pdf - 1.0).abs() < 2e-3;
             assert!(same || rim, "light {i} from {p}: {again} for {}", sample.pdf);
             assert!(!sample.is_delta || (again, sample.pdf) == (1.0, 1.0), "light {i}");
+            let is_point = sample.is_delta && !sample.at.is_infinite();
+            assert_eq!(lights.apex(id), is_point.then(|| sample.at.p()), "light {i}");
         }
     }
     assert_eq!(kinds.len(), Lights::KINDS.len(), "{kinds:?}");

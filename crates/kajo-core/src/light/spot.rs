@@ -116,6 +116,10 @@ impl Emitter for SpotLight {
         self.point.is_unfading()
     }
 
+    fn apex(&self) -> Option<Vec3> {
+        self.point.apex()
+    }
+
     fn bounds(&self) -> Option<LightBounds> {
         // Within its cone it is as bright as the point light; that it is dark elsewhere is in the reach.
         let point = self.point.point_bounds();
