@@ -18,6 +18,7 @@ mod directional;
 mod emission_density;
 mod groups;
 mod infinite;
+mod outline;
 mod photometric;
 mod point;
 mod power_sampler;
@@ -37,6 +38,7 @@ pub use directional::DirectionalLight;
 pub use emission_density::{EmissionDensity, TableDetail};
 pub(crate) use groups::OTHER;
 pub use groups::{LightGroupError, LightGroups};
+pub use outline::LightOutline;
 pub use photometric::{PhotometricLight, Photometry};
 pub use point::PointLight;
 pub use power_sampler::PowerLightSampler;
@@ -162,6 +164,11 @@ pub trait Emitter {
         None
     }
 
+    /// What is drawn of it where its light is not.
+    fn outline(&self) -> LightOutline {
+        self.apex().map_or(LightOutline::None, LightOutline::Star)
+    }
+
     /// Whether rays do not hit it, or hardly ever: a point, a direction, or a disc in the sky as small as the sun.
     fn is_pointlike(&self) -> bool;
 
@@ -246,6 +253,8 @@ family! {
         fn irradiance() -> f32;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
+        /// See [`Emitter::outline`].
+        fn outline() -> LightOutline;
         /// See [`Emitter::is_pointlike`].
         fn is_pointlike() -> bool;
         /// See [`Emitter::is_unfading`].
