@@ -14,7 +14,7 @@ use kajo_math::{Vec2, Vec3};
 use super::sample::INVERSE_SQUARE;
 use super::{
     BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
-    LightLeSample, LightLiSample, LightPoint, Receiver, classic_factor,
+    LightLeSample, LightLiSample, LightOutline, LightPoint, Receiver, classic_factor,
 };
 use crate::differential::SkyFootprint;
 use crate::sky_disc::SkyDisc;
@@ -95,6 +95,10 @@ impl Emitter for DirectionalLight {
             Some(disc) => disc.pdf(wi),
             None => f32::from(u8::from(wi == self.to_light)),
         }
+    }
+
+    fn outline(&self) -> LightOutline {
+        LightOutline::Direction(self.to_light)
     }
 
     fn is_pointlike(&self) -> bool {

@@ -19,6 +19,7 @@ mod directional;
 mod emission_density;
 mod groups;
 mod infinite;
+mod outline;
 mod photometric;
 mod point;
 mod power_sampler;
@@ -39,6 +40,7 @@ pub use directional::DirectionalLight;
 pub use emission_density::{EmissionDensity, TableDetail};
 pub(crate) use groups::OTHER;
 pub use groups::{LightGroupError, LightGroups};
+pub use outline::LightOutline;
 pub use photometric::{PhotometricLight, Photometry};
 pub use point::PointLight;
 pub use power_sampler::PowerLightSampler;
@@ -165,6 +167,32 @@ pub trait Emitter {
         None
     }
 
+    /// Whether it is a surface.
+    fn is_surface(&self) -> bool {
+        false
+    }
+
+    /// A point of its surface, drawn by area or emission and independently of any receiver, and its density per area. `None` for lights
+    /// without a surface, and for surfaces without a closed form, see [`Patch::Traced`](crate::shape::Patch::Traced).
+    ///
+    /// Where what a receiver sees of the light is not what shines at it, as through glass, all of the light has to be drawn.
+    ///
+    /// * `u`: uniform in [0, 1)²
+    /// * `time`: moment within the shutter interval
+    fn sample_area(&self, _u: Vec2, _time: f32) -> Option<(LightPoint, f32)> {
+        None
+    }
+
+    /// Density per area with which [`Emitter::sample_area`] draws the point `p`; 0 where it draws none.
+    fn pdf_area(&self, _p: Vec3, _time: f32) -> f32 {
+        0.0
+    }
+
+    /// What is drawn of it where its light is not.
+    fn outline(&self) -> LightOutline {
+        self.apex().map_or(LightOutline::None, LightOutline::Star)
+    }
+
     /// Whether rays do not hit it, or hardly ever: a point, a direction, or a disc in the sky as small as the sun.
     fn is_pointlike(&self) -> bool;
 
@@ -249,6 +277,14 @@ family! {
         fn irradiance() -> f32;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
+        /// See [`Emitter::is_surface`].
+        fn is_surface() -> bool;
+        /// See [`Emitter::sample_area`].
+        fn sample_area(u: Vec2, time: f32) -> Option<(LightPoint, f32)>;
+        /// See [`Emitter::pdf_area`].
+        fn pdf_area(p: Vec3, time: f32) -> f32;
+        /// See [`Emitter::outline`].
+        fn outline() -> LightOutline;
         /// See [`Emitter::is_pointlike`].
         fn is_pointlike() -> bool;
         /// See [`Emitter::is_unfading`].

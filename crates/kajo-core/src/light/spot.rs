@@ -19,7 +19,7 @@ use kajo_math::{Frame, Vec2, Vec3, fmath, warp};
 
 use super::{
     BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
-    LightLeSample, LightLiSample, LightPoint, PointLight, Receiver,
+    LightLeSample, LightLiSample, LightOutline, LightPoint, PointLight, Receiver,
 };
 
 /// A spot light.
@@ -114,6 +114,15 @@ impl Emitter for SpotLight {
 
     fn is_unfading(&self) -> bool {
         self.point.is_unfading()
+    }
+
+    fn apex(&self) -> Option<Vec3> {
+        self.point.apex()
+    }
+
+    fn outline(&self) -> LightOutline {
+        let cosines = [self.cone.inner, self.cone.outer].map(|one_minus_cos| 1.0 - one_minus_cos);
+        LightOutline::Cone { apex: self.point.position, axis: self.axis, cosines }
     }
 
     fn bounds(&self) -> Option<LightBounds> {

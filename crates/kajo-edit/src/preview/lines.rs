@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-use kajo_color::Spectrum;
-use kajo_core::light::{DirectionalLight, LightId, PointLight, SpotLight};
+use kajo_color::Emission;
+use kajo_core::light::{LightId, LightOutline};
 use kajo_core::scene::Scene;
 use kajo_core::shape::{Csg, Tessellation};
 use kajo_core::{ObjectId, Pooled};
@@ -90,16 +90,17 @@ impl Wires {
     fn light(&mut self, scene: &Scene, number: u32, id: LightId) {
         let kind = LineKind::Light(number);
         let lights = &scene.lighting.lights;
-        if let Some(light) = PointLight::find(lights, id) {
-            self.star(kind, hue(light.intensity), light.position);
-        } else if let Some(light) = SpotLight::find(lights, id) {
-            let color = hue(light.point.intensity);
-            self.star(kind, color, light.point.position);
-            for one_minus_cos in [light.cone.inner, light.cone.outer] {
-                self.cone(kind, color, light.point.position, light.axis, 1.0 - one_minus_cos);
+        let color = hue(lights.emission(id).map_or([1.0; 3], Emission::rgb));
+        match lights.outline(id) {
+            LightOutline::None => {}
+            LightOutline::Star(p) => self.star(kind, color, p),
+            LightOutline::Cone { apex, axis, cosines } => {
+                self.star(kind, color, apex);
+                for cosine in cosines {
+                    self.cone(kind, color, apex, axis, cosine);
+                }
             }
-        } else if let Some(light) = DirectionalLight::find(lights, id) {
-            self.sun(kind, hue(light.intensity), light.to_light);
+            LightOutline::Direction(to_light) => self.sun(kind, color, to_light),
         }
     }
 
@@ -225,8 +226,8 @@ fn edges(triangles: &Tessellation) -> Vec<[Vec3; 2]> {
 }
 
 /// The colour of a light, as bright as it can be.
-fn hue(light: Spectrum) -> [u8; 4] {
-    let rgb = light.to_rgb().map(|v| v.max(0.0));
+fn hue(rgb: [f32; 3]) -> [u8; 4] {
+    let rgb = rgb.map(|v| v.max(0.0));
     let most = rgb.iter().copied().fold(0.0, f32::max);
     let share = |v: f32| if most > 0.0 { (80.0 + 175.0 * v / most) as u8 } else { 255 };
     [share(rgb[0]), share(rgb[1]), share(rgb[2]), 255]

@@ -18,7 +18,8 @@ pub(super) fn scene_of(materials: &str, group: &str, objects: usize) -> Scene {
         "PerspectiveCamera {{ center 0 1 9 direction 0 0 -1 up 0 1 0 angle 40 }}
          Lights {{ PointLight {{ position 0 5 0 color 1 0 0 }}
                    SpotLight {{ position 1 5 0 direction 0 -1 0 color 1 1 1 angle 60 }}
-                   DirectionalLight {{ direction -1 -1 -1 color 1 1 1 }} }}
+                   DirectionalLight {{ direction -1 -1 -1 color 1 1 1 }}
+                   PointLight {{ position 2 5 0 ies luminaire.ies color 0 0 1 }} }}
          {materials}
          Group {{ {group} }}"
     );
@@ -28,6 +29,7 @@ pub(super) fn scene_of(materials: &str, group: &str, objects: usize) -> Scene {
         .with("a.txt", text)
         .with("two.obj", format!("mtllib two.mtl\n{two}"))
         .with("two.mtl", mtl)
+        .with("luminaire.ies", "TILT=NONE\n1 -1 1  3 1 1 2  0 0 0\n1 1 60\n0 90 180\n0\n1 1 1\n")
         .with("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let mut options = LoadOptions::default();
     options.limits.objects = objects;
@@ -183,14 +185,18 @@ fn nested_instances_are_shown_as_far_as_that_is_not_too_much() {
 fn lights_and_the_camera_have_wires() {
     let scene = scene("MaterialIndex 0 Sphere { center 0 0 0 radius 1 }");
     let lines = Preview::of(&scene).lines;
-    for kind in [LineKind::Light(0), LineKind::Light(1), LineKind::Light(2), LineKind::Camera] {
+    for kind in [LineKind::Light(1), LineKind::Light(2), LineKind::Camera] {
         assert!(lines.iter().any(|line| line.kind == kind), "{kind:?}");
     }
-    let star: Vec<_> = lines.iter().filter(|line| line.kind == LineKind::Light(0)).collect();
-    for line in star {
-        let middle = 0.5 * (Vec3::from(line.ends[0]) + Vec3::from(line.ends[1]));
-        assert!(middle.distance(Vec3::new(0.0, 5.0, 0.0)) < 1e-5);
-        assert_eq!(line.color, [255, 80, 80, 255]);
+    // A point, and one with measured intensities.
+    for (number, x, color) in [(0, 0.0, [255, 80, 80, 255]), (3, 2.0, [80, 80, 255, 255])] {
+        let star: Vec<_> = lines.iter().filter(|line| line.kind == LineKind::Light(number)).collect();
+        assert!(!star.is_empty(), "light {number}");
+        for line in star {
+            let middle = 0.5 * (Vec3::from(line.ends[0]) + Vec3::from(line.ends[1]));
+            assert!(middle.distance(Vec3::new(x, 5.0, 0.0)) < 1e-5);
+            assert_eq!(line.color, color);
+        }
     }
 }
 

@@ -34,7 +34,7 @@ use super::{GuidedDirection, IndirectLight, Path, PathSettings, Sampled, Worth, 
 use crate::integrator::Integrator;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, RayCounters, SampleContext};
-use crate::{Setup, SetupError, WithState};
+use crate::{SamplesPerState, Setup, SetupError, WithState};
 use collector::{GuideRecord, LEAST_RECORDS};
 use field::{Cell, Field};
 use training::{LEAST_GAIN, Training};
@@ -92,8 +92,8 @@ impl Integrator for GuidedPath<'_> {
         self.path.observe(ctx, pixel, raster, observer)
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        Some(u32::MAX)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        Some(SamplesPerState::All)
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
