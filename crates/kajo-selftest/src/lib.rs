@@ -63,7 +63,7 @@ pub struct Trial {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Picture { exposure: Box<Exposure>, expected: f64, rounding: f64 },
+    Picture { exposure: Box<Exposure>, expected: f64, rounding: f64, least_noise: f64 },
     Number(Number),
 }
 
@@ -113,10 +113,11 @@ pub fn trials(seed: u64) -> Vec<Trial> {
 /// The rows of one scene: one for each method that solves it.
 fn of_form(form: Form) -> Vec<Trial> {
     let trial = |method: &method::Method| {
-        let Form { name, scene, files, settings, pattern, size, expected, rounding, .. } = form.clone();
+        let Form { name, scene, files, settings, pattern, size, expected, rounding, least_noise, .. } =
+            form.clone();
         let settings = format!("Settings {{ samples {pattern} 1 {settings} {} }}", method.settings);
         let exposure = Exposure { text: format!("{scene}\n{settings}\n"), files, size };
-        let kind = Kind::Picture { exposure: Box::new(exposure), expected, rounding };
+        let kind = Kind::Picture { exposure: Box::new(exposure), expected, rounding, least_noise };
         Trial { name, method: method.name, kind }
     };
     form.methods.iter().map(trial).collect()
@@ -140,11 +141,11 @@ impl Trial {
             Kind::Number(number) => {
                 self.row(number.expected, Ok(number.estimate()), |estimate| number.agrees(estimate.mean))
             }
-            Kind::Picture { exposure, expected, rounding } => {
+            Kind::Picture { exposure, expected, rounding, least_noise } => {
                 let target = |noise: f64| Target {
                     mu: *expected,
                     rounding: *rounding,
-                    sigma: noise.max(SHARE_OF_ROUNDING * rounding) * expected.abs(),
+                    sigma: noise.max(SHARE_OF_ROUNDING * rounding).max(*least_noise) * expected.abs(),
                     most_samples: effort.most_samples,
                 };
                 let measure = |seed: u64, noise: f64| exposure.measure(seed, &target(noise), threads);

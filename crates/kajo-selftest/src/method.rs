@@ -70,6 +70,16 @@ pub const CACHES: &[Method] = &[IRRADIANCE];
 /// Markov chains over paths from both ends.
 pub const MLT: Method = method("mlt", "integrator mlt");
 
+/// The same with chains for each length of paths.
+pub const MMLT: Method = method("mmlt", "integrator mmlt");
+
+/// Path tracing that also draws lights through glass.
+pub const PATH_MANIFOLD: Method = method("path, manifold", "integrator path  caustics manifold");
+
+/// One map of photons that is seen itself.
+pub const PHOTON_DIRECT: Method =
+    method("photon, direct", "integrator photon  photons 100000  photonMap direct");
+
 /// What keeps photons, and makes as many of them as it takes samples.
 pub const PHOTONS: &[Method] = &[SPPM, SPPM_SPECTRAL, VCM, VCM_SPECTRAL];
 

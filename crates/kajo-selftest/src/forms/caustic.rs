@@ -10,7 +10,7 @@
 //! ```
 //!
 //! with `phi(x)` the angle that the part covers of the circle of radius `x` around the axis. No path from the camera finds
-//! this light, since parallel light is met with probability zero. The screen is so small that no light passes beside
+//! this light by chance, since parallel light is met with probability zero; `caustics manifold` looks for its directions by Newton's method. The screen is so small that no light passes beside
 //! the ball to it, and light is scattered so seldom that none comes to the screen by way of the screen.
 
 use std::f64::consts::PI;
@@ -19,10 +19,16 @@ use kajo_math::DVec3;
 
 use super::quadrature::simpson;
 use super::{Form, Parameters, text};
-use crate::method::{BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, Method, PHOTONS};
+use crate::method::{BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, Method, PATH_MANIFOLD, PHOTONS};
 
 /// What finds light that no ray meets by chance.
 const METHODS: &[Method] = &[BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT];
+
+/// What looks for the directions in which light comes through the ball: near the focus it does not find all of them, so that it is asked of the far screen alone.
+const WALKS: &[Method] = &[PATH_MANIFOLD];
+
+/// The noise of these, which take thirty times as long for a sample.
+const NOISE_OF_WALKS: f64 = 2.5e-3;
 
 /// How much the disks of photons may blur over the border of the picture, as a share of its light.
 const BLUR: f64 = 0.01;
@@ -33,8 +39,10 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let far = screen(draw, far, 60.0);
     let near = screen(draw, near, 75.0);
     let by_photons = Form { name: format!("{}, by photons", far.name), methods: PHOTONS, ..far.clone() };
+    let by_walks = Form { name: format!("{}, by walks", far.name), methods: WALKS, ..far.clone() };
+    let by_walks = by_walks.least_noise(NOISE_OF_WALKS);
     // All pixels share the photons of a sample.
-    vec![far, near, by_photons.rounding(BLUR).size([64, 64])]
+    vec![far, near, by_walks, by_photons.rounding(BLUR).size([64, 64])]
 }
 
 /// * `distance`: of the screen from the middle of the ball; `half`: half the side of the square that is seen

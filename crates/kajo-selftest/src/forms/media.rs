@@ -9,6 +9,8 @@
 //! L = albedo / 4pi exp(-s (1 - y)) (1 - exp(-2 s))
 //! ```
 //!
+//! Seen from within, up to a black disk at the distance `d`, the last factor is `1 - exp(-s d)`.
+//!
 //! *A point light in endless fog*, at the distance `b` from the camera's ray, whose closest point is `a` ahead:
 //!
 //! ```text
@@ -26,9 +28,10 @@ use std::f64::consts::PI;
 use kajo_math::DVec3;
 
 use super::quadrature::simpson;
-use super::{Form, Parameters, spot_meter};
+use super::{Form, Parameters, STARTS, spot_meter};
 use crate::method::{
-    BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, MLT, Method, PATH, PATH_SCATTERING, PATH_SPECTRAL,
+    BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, MLT, MMLT, Method, PATH, PATH_SCATTERING, PATH_SPECTRAL,
+    PHOTON_DIRECT, SPPM, VCM,
 };
 
 const MEDIA: &[Method] = &[PATH, PATH_SCATTERING, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
@@ -40,10 +43,25 @@ const DRAWN: &[Method] = &[PATH, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPE
 const WIDE: &[Method] = &[PATH, BIDIRECTIONAL, LIGHT];
 
 /// The same by chains, which find one kind of light soonest.
-const CHAINS: &[Method] = &[MLT];
+const CHAINS: &[Method] = &[MLT, MMLT];
+
+/// By photons, and by what joins paths where photons would be.
+const PHOTONS_AND_JOINTS: &[Method] = &[SPPM, VCM];
+
+/// By a map of photons that is seen itself, since direct light is drawn otherwise.
+const SEEN: &[Method] = &[PHOTON_DIRECT];
+
+/// What balls of photons may lose that reach over the border of a body, as a share of its light: those of the first passes are a tenth of it wide.
+const BORDER: f64 = 5e-3;
+
+/// What the light within such a ball may differ from that at its middle.
+const BLUR: f64 = 1e-2;
 
 /// Scatterings of which next to no path has more in the thickest of these bodies, that of voxels; the default of integrators from both ends, 64, loses light there.
 const WITHOUT_END: u32 = 500;
+
+/// The noise of a map, of which few balls lie along the ray; a batch has one, however many samples it takes.
+const OF_ONE_MAP: f64 = 1e-2;
 
 /// A body with the box from -1 to 1 around it.
 const CUBE: &str = "Box { min -1 -1 -1 max 1 1 1 }";
@@ -62,7 +80,12 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         format!("FunctionMedium m {{ function = cos({r} * x) + z  sigma_s {s} {r} 2  phase rayleigh }}");
     forms.push(white(draw, "a function", 1.0, &function, CUBE));
     forms.push(white(draw, "glass", 1.4, &format!("Medium m {{ density {r} g {g} }}"), BALL));
-    forms.extend([wide(draw, "a ball seen from afar", WIDE), wide(draw, "a ball by chains", CHAINS)]);
+    forms.push(wide(draw, "a ball seen from afar", WIDE));
+    // Next to no path is scattered more often, and each length has chains of its own.
+    forms.push(wide(draw, "a ball by chains", CHAINS).bounces(32).least_noise(STARTS));
+    // All pixels share the photons of a sample.
+    forms.push(wide(draw, "a ball by photons", PHOTONS_AND_JOINTS).rounding(BORDER).size([64, 64]));
+    forms.extend([within(draw, DRAWN), within(draw, SEEN).rounding(BLUR).least_noise(OF_ONE_MAP)]);
     forms
 }
 
@@ -112,6 +135,22 @@ fn beam(draw: &mut Parameters) -> Form {
     let expected = albedo / (4.0 * PI) * (-s * (1.0 - y)).exp() * (1.0 - (-2.0 * s).exp());
     Form::new(format!("S10 beam in a cube of {s}, albedo {albedo}, at height {y}"), scene, expected, DRAWN)
         .bounces(0)
+}
+
+/// The beam in a cube, seen from a place within up to a black disk within, so that nothing of the border is seen.
+fn within(draw: &mut Parameters, methods: &'static [Method]) -> Form {
+    let (s, y, albedo) = (draw.between(0.3, 1.5), draw.between(-0.5, 0.5), draw.between(0.3, 1.0));
+    let (from, to) = (draw.between(0.3, 0.6), draw.between(-0.6, -0.3));
+    let view = spot_meter(DVec3::new(0.0, y, from), DVec3::new(0.0, y, to));
+    let scene = format!(
+        "{view}Media {{ Medium m {{ albedo {albedo} density {s} }} }}
+         Materials {{ Interface b {{ medium m }}  Matte black {{ color 0 0 0 }} }}
+         Group {{ MaterialIndex b {CUBE}  MaterialIndex black Disk {{ center 0 {y} {to}  normal 0 0 1  radius 0.01 }} }}
+         Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance 1 }} }}\n"
+    );
+    let expected = albedo / (4.0 * PI) * (-s * (1.0 - y)).exp() * (1.0 - (-s * (from - to)).exp());
+    let name = format!("S10 beam in a cube of {s}, albedo {albedo}, seen from within at height {y}");
+    Form::new(name, scene, expected, methods).bounces(0)
 }
 
 fn fog(draw: &mut Parameters) -> Form {

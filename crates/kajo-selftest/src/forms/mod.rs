@@ -28,6 +28,9 @@ use super::estimate::Estimate;
 use super::method::Method;
 use super::parameters::Parameters;
 
+/// The least standard error of a mean of pictures by chains, as a share of it: each of these is as bright as its start samples, whose mean is known to a hundredth.
+const STARTS: f64 = 2.5e-3;
+
 /// A scene whose light has a closed form.
 #[derive(Clone, Debug)]
 pub struct Form {
@@ -47,6 +50,8 @@ pub struct Form {
     pub expected: f64,
     /// Error that single precision alone may make, as a share of the value.
     pub rounding: f64,
+    /// The least standard error that is asked for, as a share of the value: where each batch is uncertain by itself, whatever samples it has.
+    pub least_noise: f64,
     /// Who can solve it.
     pub methods: &'static [Method],
 }
@@ -63,6 +68,7 @@ impl Form {
             size: [1, 1],
             expected,
             rounding: 2e-5,
+            least_noise: 0.0,
             methods,
         }
     }
@@ -85,6 +91,11 @@ impl Form {
     /// With another error of single precision.
     pub fn rounding(self, rounding: f64) -> Form {
         Form { rounding, ..self }
+    }
+
+    /// With no smaller standard error than that.
+    pub fn least_noise(self, least_noise: f64) -> Form {
+        Form { least_noise, ..self }
     }
 
     /// With a picture of so many pixels.

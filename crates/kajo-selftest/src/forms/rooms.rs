@@ -21,10 +21,10 @@ use std::f64::consts::PI;
 
 use kajo_math::DVec3;
 
-use super::{Form, Parameters, spot_meter, text};
+use super::{Form, Parameters, STARTS, spot_meter, text};
 use crate::method::{
-    BIDIRECTIONAL, BOUNCES, CACHES, DIRECT, GLOBAL, LIGHT, MLT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL,
-    PHOTONS,
+    BIDIRECTIONAL, BOUNCES, CACHES, DIRECT, GLOBAL, LIGHT, MLT, MMLT, Method, PATH, PATH_LIGHTS,
+    PATH_SPECTRAL, PHOTONS,
 };
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
@@ -65,14 +65,22 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms.push(cached(Form { scene: room.scene.replace("angle 0.001", "angle 70"), ..room }));
     forms.push(cached(light_in_ball(draw, CACHES, true)));
     let room = emissive(draw, &ROOMS[2], None);
-    forms.push(Form { name: format!("{}, by chains", room.name), methods: CHAINS, ..room.size([32, 32]) });
-    let ball = light_in_ball(draw, CHAINS, true);
-    forms.push(Form { name: format!("{}, by chains", ball.name), ..ball.size([32, 32]) });
+    let by_chains = |form: Form, methods| Form {
+        name: format!("{}, by chains", form.name),
+        methods,
+        ..form.size([32, 32]).least_noise(STARTS)
+    };
+    forms.push(by_chains(room, CHAINS));
+    forms.push(by_chains(light_in_ball(draw, CHAINS, true), CHAINS));
+    forms.push(by_chains(emissive(draw, &ROOMS[2], Some(2)), CHAINS_OF_LENGTHS));
     forms
 }
 
 /// Chains over paths.
 const CHAINS: &[Method] = &[MLT];
+
+/// Chains for each length, which are to be few.
+const CHAINS_OF_LENGTHS: &[Method] = &[MMLT];
 
 /// What the noise of a few records of 256 rays may change, as a share of the light.
 const RECORDS: f64 = 5e-3;

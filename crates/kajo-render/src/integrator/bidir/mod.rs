@@ -64,9 +64,7 @@ pub(super) use merge::{MergePass, Merging};
 use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 pub(super) use subpath::Subpath;
-// Metropolis light transport names it so.
-pub(super) use techniques::VertexCounts as Technique;
-use techniques::VertexCounts;
+pub(super) use techniques::VertexCounts;
 use techniques::{AllTechniques, Techniques};
 pub(super) use vertex::Vertex;
 pub(super) use volume::{NoMedia, Volume, WithMedia};

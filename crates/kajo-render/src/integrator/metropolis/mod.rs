@@ -24,10 +24,13 @@
 //! block of pixels and each sample of theirs, with a mutation for each pixel. It depends on the seed, the block and the sample alone, and its light goes
 //! to exact sums, so no split of the work changes a bit. Where its states have their light is counted too, to tell whether groups of chains agree; see [`ChainCounts`](crate::ChainCounts).
 
+mod allotment;
 mod chain;
 mod mutated;
 mod settings;
 mod start;
+
+use std::num::NonZeroU32;
 
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
@@ -37,7 +40,7 @@ use super::bidir::{Bidirectional, WithMedia};
 use super::path::Path;
 use super::{Integrator, bidir::BidirectionalSettings, path::PathSettings};
 use crate::trail::PathObserver;
-use crate::{Layer, LayerSet, PixelIntegrator, PixelSample, Rect, SampleContext};
+use crate::{Layer, LayerSet, PixelIntegrator, PixelSample, RayCounters, Rect, SampleContext};
 use crate::{SamplesPerState, Setup, SetupError, WithState};
 use chain::{Chain, Evaluation};
 use mutated::Mutated;
@@ -46,6 +49,9 @@ use start::Starts;
 
 /// Side of the block of pixels that shares a chain.
 const BLOCK: u32 = 32;
+
+/// Mutations for which the same start samples serve, but for those of one sample of the picture: enough that a million start samples cost little beside them.
+const MUTATIONS_OF_PART: u32 = 1 << 24;
 
 /// Standard error of the brightness, as a share of it, above which there is a note.
 const UNSURE: f64 = 0.02;
@@ -137,6 +143,12 @@ impl<'a> Metropolis<'a> {
         }
     }
 
+    /// The samples to begin at of part `k` of the samples of the picture.
+    fn starts(&self, k: u32, setup: &Setup<'_>) -> Result<(Starts, RayCounters), SetupError> {
+        let of_part = Setup { seed: setup.seed ^ u64::from(k) << 32, ..*setup };
+        Starts::find(self.mutated(), self.size, &of_part)
+    }
+
     /// Whether any layer needs the camera's ray of each pixel.
     fn sees_surfaces(&self) -> bool {
         self.layers != LayerSet::of(&[Layer::Color])
@@ -171,13 +183,17 @@ impl Integrator for Metropolis<'_> {
         false
     }
 
+    /// The brightness of the whole picture is known to the start samples alone. New ones for each part make its error go away with more samples, as the noise of chains does.
     fn samples_per_state(&self) -> Option<SamplesPerState> {
-        Some(SamplesPerState::All)
+        let [width, height] = self.size;
+        let samples = MUTATIONS_OF_PART / width.saturating_mul(height).max(1);
+        Some(NonZeroU32::new(samples).map_or(SamplesPerState::ONE, SamplesPerState::Count))
     }
 
-    fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
-        let (starts, rays) = Starts::find(self.mutated(), self.size, setup)?;
-        let notes = starts.notes();
+    fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        let (starts, rays) = self.starts(k, setup)?;
+        // Once is enough.
+        let notes = if k == 0 { starts.notes() } else { Vec::new() };
         Ok(WithState { integrator: Box::new(Chains { of: self, starts }), rays, notes })
     }
 }

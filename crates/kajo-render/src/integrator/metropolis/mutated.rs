@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use kajo_math::Vec2;
 
-use crate::integrator::bidir::{SingleTechnique, Technique};
+use crate::integrator::bidir::{SingleTechnique, VertexCounts};
 use crate::{PixelIntegrator, PixelSample, SampleContext};
 
 /// Samples as functions of their numbers.
@@ -53,7 +53,7 @@ impl Mutated<'_> {
         match self {
             Mutated::Whole(integrator) => (integrator.sample(ctx, [0, 0], raster), 1.0),
             Mutated::ByTechnique { integrator, .. } => {
-                let technique = Technique::chosen(class, technique);
+                let technique = VertexCounts::chosen(class, technique);
                 (integrator.sample_by(ctx, raster, technique), class as f32)
             }
         }

@@ -8,6 +8,7 @@ use kajo_scene::MemoryAssets;
 use kajo_testkit::Estimate;
 
 use super::MutatedSamples::{ByTechnique, OfBothEnds, OfPaths};
+use super::allotment::Moments;
 use super::chain::{acceptance, moved};
 use super::*;
 use crate::integrator::bidir::integrator_of;
@@ -22,9 +23,10 @@ struct Small<'a>(Metropolis<'a>);
 
 const FEW: u32 = 4096;
 
-/// Fewer of each class where there are many.
-fn few(of: &Metropolis<'_>) -> u32 {
-    FEW.min(6 * FEW / of.mutated().classes().len() as u32)
+/// So many samples of each class, fewer where there are many classes.
+fn few(of: &Metropolis<'_>) -> Vec<u32> {
+    let classes = of.mutated().classes().len();
+    vec![FEW.min(6 * FEW / classes as u32); classes]
 }
 
 impl PixelIntegrator for Small<'_> {
@@ -37,7 +39,7 @@ impl PixelIntegrator for Small<'_> {
     }
 
     fn with_state<'a>(&'a self, _: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
-        let (starts, rays) = Starts::of_samples(few(&self.0), self.0.mutated(), self.0.size, setup)?;
+        let (starts, rays) = Starts::of_samples(&few(&self.0), self.0.mutated(), self.0.size, setup)?;
         Ok(WithState { integrator: Box::new(Chains { of: &self.0, starts }), rays, notes: Vec::new() })
     }
 }
@@ -154,7 +156,7 @@ impl PixelIntegrator for Ramp {
 #[test]
 fn a_chain_finds_a_ramp_of_known_brightness() {
     let pass = |seed: u64| {
-        let (starts, _) = Starts::of_samples(FEW, Mutated::Whole(&Ramp), SIZE, &setup(seed)).unwrap();
+        let (starts, _) = Starts::of_samples(&[FEW], Mutated::Whole(&Ramp), SIZE, &setup(seed)).unwrap();
         let mut columns = [0.0; 24];
         let mutations = 40_000;
         let sampler = Sampler::new(SamplerKind::Uniform, 1);
@@ -273,7 +275,7 @@ fn the_light_of_each_length_has_its_mean() {
     let scene = scene(&emissive_sphere());
     let it = chains(&scene, 2, ByTechnique).0;
     let pass = |seed: u64| {
-        let (starts, _) = Starts::of_samples(FEW, it.mutated(), SIZE, &setup(seed)).unwrap();
+        let (starts, _) = Starts::of_samples(&few(&it), it.mutated(), SIZE, &setup(seed)).unwrap();
         let (draws, mutations) = (32, 250);
         let sampler = Sampler::new(SamplerKind::Uniform, draws);
         let mut ctx = SampleContext::new(&sampler, seed);
@@ -297,6 +299,78 @@ fn the_light_of_each_length_has_its_mean() {
         let found = Estimate::of_batches(|batch| passes[batch as usize][k]);
         assert!(found.check(expected, 0.08).is_ok(), "{k} vertices: {found:?} for {expected}");
     }
+}
+
+/// Importances of classes whose means and spreads are known: 1 or 1 + 2 spread, each as often; nothing where the spread is negative.
+struct Spreads(Vec<f64>);
+
+impl Spreads {
+    fn numbers(&self, limits: [u32; 2]) -> (Vec<u32>, u32) {
+        let mut pilot = 0;
+        let more = |numbers: &[u32], classes: &mut [Moments]| {
+            pilot += numbers.iter().sum::<u32>();
+            for ((class, &n), spread) in classes.iter_mut().zip(numbers).zip(&self.0) {
+                (0..n).for_each(|i| {
+                    class.add((1.0 + 2.0 * spread * f64::from(i % 2)) * f64::from(u8::from(*spread >= 0.0)))
+                });
+            }
+            Ok::<(), ()>(())
+        };
+        let numbers = allotment::numbers(self.0.len(), limits, more).unwrap();
+        (numbers, pilot)
+    }
+}
+
+/// Of four classes with the spreads 0, 1, 2 and 5 and the means 1, 2, 3 and 6, in units of their sum 12 the sum of spreads is 2/3.
+#[test]
+fn samples_are_allotted_by_the_spread_of_each_class() {
+    let classes = Spreads(vec![0.0, 1.0, 2.0, 5.0]);
+    let share = [0.0, 0.125, 0.25, 0.625].map(|share| 0.125 / 4.0 + 0.875 * share);
+    let all = (2.0 / 3.0 / (UNSURE / 2.0)).powi(2);
+    for (limits, expected) in [([100, u32::MAX], all), ([100, 3000], 3000.0), ([20_000, 300_000], 20_000.0)] {
+        let (numbers, pilot) = classes.numbers(limits);
+        for (&n, share) in numbers.iter().zip(share) {
+            let wanted = share * expected;
+            assert!((f64::from(n) - wanted).abs() < 0.02 * wanted + 2.0, "{numbers:?} for {wanted}");
+        }
+        assert!(f64::from(pilot) < 0.26 * expected + 300.0, "{pilot} samples tell of {expected}");
+    }
+    // Where nothing is found, all are looked at alike, as often as they may be.
+    assert_eq!(Spreads(vec![-1.0; 3]).numbers([9, 300]).0, [100; 3]);
+}
+
+/// An easy room begins with few samples, whose numbers no thread changes: an eightieth of what all lengths may have. Each part of the picture's samples has start samples of its own.
+#[test]
+fn easy_rooms_begin_with_few_samples() {
+    let easy = scene(&emissive_sphere());
+    for (samples, most, factor) in [(OfBothEnds, 1 << 17, 25), (ByTechnique, 1 << 20, 80)] {
+        let settings = MetropolisSettings { bounces: 16, samples, ..MetropolisSettings::default() };
+        let it = Metropolis::new(&easy, settings, [640, 480], LayerSet::of(&[Layer::Color]));
+        let find = |threads, k| it.starts(k, &Setup { threads, ..setup(3) }).unwrap();
+        let [one, two, seven] = [1, 2, 7].map(|threads| find(threads, 0));
+        assert!(one == two && one == seven, "{samples:?}");
+        let (starts, rays) = one;
+        assert!(rays.camera.max(starts.number() as u64) < most / factor, "{rays:?}");
+        assert!(starts.standard_error() < UNSURE * starts.brightness() && starts.notes().is_empty());
+        assert_ne!(starts.brightness(), find(1, 1).0.brightness());
+        assert_eq!(PixelIntegrator::samples_per_state(&it), Some(54));
+    }
+}
+
+/// The number of samples is told by others, so that their mean is that of the light, however few they are.
+#[test]
+fn the_pilot_makes_no_bias() {
+    let scene = scene(&emissive_sphere());
+    let it = chains(&scene, 2, ByTechnique).0;
+    let brightness = |batch: u32| {
+        let mean = |i: u32| {
+            let (starts, _) =
+                Starts::within([16, 400], it.mutated(), SIZE, &setup((batch * 100 + i).into())).unwrap();
+            starts.brightness() / 20.0
+        };
+        (0..20).map(mean).sum::<f64>()
+    };
+    Estimate::of_batches(brightness).check(1.875, 0.01).unwrap();
 }
 
 /// A room that is lit through a slit in the wall behind which the emitter is.
@@ -371,11 +445,11 @@ fn what_cannot_be_is_said() {
         camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0)
     ));
     let integrator = chains(&dark, 3, OfBothEnds);
-    let (starts, rays) = Starts::of_samples(500, integrator.0.mutated(), SIZE, &setup(0)).unwrap();
+    let (starts, rays) = Starts::of_samples(&[500], integrator.0.mutated(), SIZE, &setup(0)).unwrap();
     assert!(starts.notes()[0].contains("none of 500 samples") && rays.camera == 500);
     assert_eq!(starts.draw(0, [0, 0], 0, 0), None);
     assert_eq!(means(&integrator, 1, 0), [0.0; 5]);
     let poor = Setup { memory: 10, ..setup(0) };
-    let refused = Starts::of_samples(500, integrator.0.mutated(), SIZE, &poor).err().unwrap();
+    let refused = Starts::of_samples(&[500], integrator.0.mutated(), SIZE, &poor).err().unwrap();
     assert!(refused.to_string().contains("8000 bytes"), "{refused}");
 }
