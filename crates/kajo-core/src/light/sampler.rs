@@ -96,6 +96,11 @@ impl LightSampler {
         self.choosable.first().is_some_and(|&light| !self.tree.has(light))
     }
 
+    /// Whether any has a position.
+    pub fn has_finite(&self) -> bool {
+        !self.tree.is_empty()
+    }
+
     /// All lights by their indices.
     pub fn list(&self) -> &[LightId] {
         &self.list

@@ -43,11 +43,11 @@ pub struct EquiangularRay {
 }
 
 impl EquiangularRay {
-    /// The ray that a path is about to follow; `None` where no points are drawn: but in one homogeneous medium that scatters.
+    /// The ray that a path is about to follow; `None` where no points are drawn: but in one homogeneous medium that scatters, and for lights that have a position.
     ///
     /// * `length`: of the ray to the next surface, perhaps infinite
     pub fn of(scene: &Scene, path: &PathState<'_>, length: f32) -> Option<EquiangularRay> {
-        if scene.space() == Space::Curved {
+        if scene.space() == Space::Curved || !scene.lighting.sampler.has_finite() {
             return None;
         }
         let coefficients = scattering_medium(scene, path)?;
