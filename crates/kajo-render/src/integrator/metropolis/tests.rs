@@ -353,7 +353,7 @@ fn easy_rooms_begin_with_few_samples() {
         assert!(rays.camera.max(starts.number() as u64) < most / factor, "{rays:?}");
         assert!(starts.standard_error() < UNSURE * starts.brightness() && starts.notes().is_empty());
         assert_ne!(starts.brightness(), find(1, 1).0.brightness());
-        assert_eq!(PixelIntegrator::samples_per_state(&it), Some(54));
+        assert_eq!(PixelIntegrator::samples_per_state(&it), NonZeroU32::new(54).map(SamplesPerState::Count));
     }
 }
 

@@ -246,7 +246,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         let li = scene.sample_li(light, to, chosen.pair(u), &state.wavelengths)?;
         // Of other lights that have a place no point is drawn.
-        li.at.is_infinite().then(|| (li, chosen.probability * li.pdf))
+        li.at.is_infinite().then_some((li, chosen.probability * li.pdf))
     }
 
     /// Adds light that comes along a chain.
