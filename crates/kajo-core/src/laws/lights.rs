@@ -108,6 +108,34 @@ pub(super) fn furnaces() -> Vec<Furnace> {
     list.into_iter().enumerate().map(furnace).collect()
 }
 
+/// Points of a light's surface have the density that they are drawn with. A light that is
+/// a point, or has no position, has none.
+#[test]
+fn points_of_surfaces_are_drawn_with_their_density() {
+    let (lights, list) = every_light();
+    let mut drawn = 0;
+    for (i, &KnownLight { id, .. }) in list.iter().enumerate() {
+        let is_surface = lights.is_surface(id);
+        assert!(!is_surface || lights.apex(id).is_none(), "light {i}");
+        for k in 0..100 {
+            let s = Stream::new(62, [k, i as u32], 0);
+            let Some((at, pdf)) = lights.sample_area(id, Vec2::new(s.uniform(0), s.uniform(1)), 0.3) else {
+                continue;
+            };
+            drawn += 1;
+            assert!(is_surface && matches!(at, LightPoint::Surface { .. }), "light {i}");
+            assert!(pdf > 0.0 && lights.pdf_area(id, at.p(), 0.3) == pdf, "light {i}");
+            let bounds = lights.bounds(id).unwrap().bounds;
+            assert!(
+                (bounds.center() - at.p()).abs().cmple(0.501 * bounds.extent() + 1e-4).all(),
+                "light {i}"
+            );
+        }
+        assert!(is_surface || lights.pdf_area(id, Vec3::ZERO, 0.3) == 0.0, "light {i}");
+    }
+    assert!(drawn > 300, "{drawn}");
+}
+
 /// What a sample says of its own density is what is said when asked for it, by every light for any receiver.
 #[test]
 fn samples_and_densities_for_a_receiver_agree() {

@@ -109,33 +109,6 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point by area or emission, independently of any receiver; its density per area. `None` for surfaces without closed form, see [`Patch::Traced`].
-    ///
-    /// Where what a receiver sees of the light is not what shines at it, as through glass, all of the light has to be drawn.
-    ///
-    /// * `u`: uniform in [0, 1)²
-    /// * `time`: moment within the shutter interval
-    pub fn sample_area(&self, u: Vec2, time: f32) -> Option<(LightPoint, f32)> {
-        let patch = self.placed(time);
-        let drawn = match &self.density {
-            _ if patch.traced().is_some() => return None,
-            None => patch.sample_area(u)?,
-            Some(density) => density.sample_area(&patch, u)?,
-        };
-        let PatchPoint { p, p_error, n } = drawn.at;
-        Some((LightPoint::Surface { p, p_error, n }, self.pdf_area(p, time)))
-    }
-
-    /// Density per area with which [`AreaLight::sample_area`] draws the point `p`; 0 where it draws none.
-    pub fn pdf_area(&self, p: Vec3, time: f32) -> f32 {
-        let patch = self.placed(time);
-        match &self.density {
-            _ if patch.traced().is_some() => 0.0,
-            None => patch.pdf_area(p),
-            Some(density) => density.pdf_area(&patch, p),
-        }
-    }
-
     /// The patch where it is at a time.
     #[inline]
     fn placed(&self, time: f32) -> PlacedPatch<'_> {
@@ -234,6 +207,30 @@ impl Emitter for AreaLight {
         match &self.density {
             None => patch.pdf(to.p, p, n),
             Some(density) => density.pdf(&patch, to.p, p, n),
+        }
+    }
+
+    fn is_surface(&self) -> bool {
+        true
+    }
+
+    fn sample_area(&self, u: Vec2, time: f32) -> Option<(LightPoint, f32)> {
+        let patch = self.placed(time);
+        let drawn = match &self.density {
+            _ if patch.traced().is_some() => return None,
+            None => patch.sample_area(u)?,
+            Some(density) => density.sample_area(&patch, u)?,
+        };
+        let PatchPoint { p, p_error, n } = drawn.at;
+        Some((LightPoint::Surface { p, p_error, n }, self.pdf_area(p, time)))
+    }
+
+    fn pdf_area(&self, p: Vec3, time: f32) -> f32 {
+        let patch = self.placed(time);
+        match &self.density {
+            _ if patch.traced().is_some() => 0.0,
+            None => patch.pdf_area(p),
+            Some(density) => density.pdf_area(&patch, p),
         }
     }
 

@@ -164,6 +164,27 @@ pub trait Emitter {
         None
     }
 
+    /// Whether it is a surface.
+    fn is_surface(&self) -> bool {
+        false
+    }
+
+    /// A point of its surface, drawn by area or emission and independently of any receiver, and its density per area. `None` for lights
+    /// without a surface, and for surfaces without a closed form, see [`Patch::Traced`](crate::shape::Patch::Traced).
+    ///
+    /// Where what a receiver sees of the light is not what shines at it, as through glass, all of the light has to be drawn.
+    ///
+    /// * `u`: uniform in [0, 1)²
+    /// * `time`: moment within the shutter interval
+    fn sample_area(&self, _u: Vec2, _time: f32) -> Option<(LightPoint, f32)> {
+        None
+    }
+
+    /// Density per area with which [`Emitter::sample_area`] draws the point `p`; 0 where it draws none.
+    fn pdf_area(&self, _p: Vec3, _time: f32) -> f32 {
+        0.0
+    }
+
     /// What is drawn of it where its light is not.
     fn outline(&self) -> LightOutline {
         self.apex().map_or(LightOutline::None, LightOutline::Star)
@@ -253,6 +274,12 @@ family! {
         fn irradiance() -> f32;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
+        /// See [`Emitter::is_surface`].
+        fn is_surface() -> bool;
+        /// See [`Emitter::sample_area`].
+        fn sample_area(u: Vec2, time: f32) -> Option<(LightPoint, f32)>;
+        /// See [`Emitter::pdf_area`].
+        fn pdf_area(p: Vec3, time: f32) -> f32;
         /// See [`Emitter::outline`].
         fn outline() -> LightOutline;
         /// See [`Emitter::is_pointlike`].

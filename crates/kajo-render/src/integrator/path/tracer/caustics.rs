@@ -25,11 +25,11 @@
 //! which no path meets, have the light of no other chains than those that are found.
 
 use kajo_color::{Spectrum, sensor};
+use kajo_core::ObjectId;
 use kajo_core::bsdf::{Bsdf, Transport};
-use kajo_core::light::{AreaLight, LightHit, LightLiSample, LightPoint, Receiver, SampledLight};
+use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver, SampledLight};
 use kajo_core::scene::Interaction;
 use kajo_core::settings::Technique;
-use kajo_core::{ObjectId, Pooled};
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::casters::Casters;
@@ -167,8 +167,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             _ => {
                 let end = End { at: *at, wi: (at.p() - receiver.p).normalize_or_zero() };
                 let chosen = scene.lighting.sampler.pmf(hit.light, receiver, self.lights);
-                let light = AreaLight::find(&scene.lighting.lights, scene.lighting.sampler.id(hit.light));
-                let pdf = light.map_or(0.0, |light| light.pdf_area(at.p(), receiver.time));
+                let id = scene.lighting.sampler.id(hit.light);
+                let pdf = scene.lighting.lights.pdf_area(id, at.p(), receiver.time);
                 (end, if is_small(receiver, at.p(), pdf) { chosen * pdf } else { 0.0 })
             }
         };
@@ -236,16 +236,17 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             let wi = (at.p() - to.p).normalize_or_zero();
             LightLiSample { wi, radiance: Spectrum::BLACK, pdf: 1.0, is_delta, at }
         };
-        if let Some(area) = AreaLight::find(lights, id) {
-            let (at, pdf_area) = area.sample_area(state.draws.next_2d(), to.time)?;
+        if lights.is_surface(id) {
+            let (at, pdf_area) = lights.sample_area(id, state.draws.next_2d(), to.time)?;
             let is_drawn = is_small(to, at.p(), pdf_area);
             return is_drawn.then(|| (end(at, false), chosen.probability * pdf_area));
         }
-        if let Some(bounds) = lights.bounds(id) {
-            return Some((end(LightPoint::Position(bounds.bounds.center()), true), chosen.probability));
+        if let Some(apex) = lights.apex(id) {
+            return Some((end(LightPoint::Position(apex), true), chosen.probability));
         }
         let li = scene.sample_li(light, to, chosen.pair(u), &state.wavelengths)?;
-        Some((li, chosen.probability * li.pdf))
+        // Of other lights that have a place no point is drawn.
+        li.at.is_infinite().then_some((li, chosen.probability * li.pdf))
     }
 
     /// Adds light that comes along a chain.
