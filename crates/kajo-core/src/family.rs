@@ -42,6 +42,10 @@ macro_rules! family {
             $(#[$own_doc:meta])*
             fn $own_method:ident() -> $OwnOut:ty;
         )* }
+        $(all methods { $(
+            $(#[$all_doc:meta])*
+            fn $all_method:ident ($all_arg:ident: $AllArg:ty);
+        )* })?
         methods { $(
             $(#[$method_doc:meta])*
             fn $method:ident $(<$G:ident: $Bound:path>)? ($($args:tt)*) $(-> $Out:ty)?;
@@ -66,6 +70,7 @@ macro_rules! family {
             }
 
             impl $Pools {
+                $($(family!(@all_method [$(#[$all_doc])*] $Contract $members $all_method $all_arg [$AllArg]);)*)?
                 $(family!(@method [$(#[$method_doc])*] $Handle $Contract $members
                     $method [$($G $Bound)?] ($($args)*) [$($Out)?]);)*
             }
@@ -135,6 +140,16 @@ macro_rules! family {
             match self {
                 $($Any::$Member(member) => $Contract::$method(member),)+
             }
+        }
+    };
+
+    (
+        @all_method [$(#[$doc:meta])*] $Contract:ident { $($field:ident: $Member:ident),+ $(,)? }
+        $method:ident $arg:ident [$Arg:ty]
+    ) => {
+        $(#[$doc])*
+        pub fn $method(&mut self, $arg: $Arg) {
+            $(self.$field.iter_mut().for_each(|member| $Contract::$method(member, $arg));)+
         }
     };
 

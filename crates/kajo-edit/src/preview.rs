@@ -21,9 +21,7 @@ use std::sync::Arc;
 
 use kajo_core::material::MaterialId;
 use kajo_core::scene::Scene;
-use kajo_core::shape::{
-    Cuboid, Disk, Mesh, Plane, Quad, ShapeId, Shapes, Sphere, Surface, Tessellation, Triangle,
-};
+use kajo_core::shape::{Mesh, Plane, ShapeId, Sphere, Surface, Tessellation};
 use kajo_core::{ElementContent, NestedElement, ObjectId, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
@@ -177,7 +175,7 @@ struct Builder<'a> {
 impl<'a> Builder<'a> {
     fn new(scene: &'a Scene, bounds: Aabb) -> Builder<'a> {
         let curved =
-            scene.geometry.primitives.iter().filter(|p| is_curved(&scene.geometry.shapes, p.shape)).count()
+            scene.geometry.primitives.iter().filter(|p| scene.geometry.shapes.is_curved(p.shape)).count()
                 as u64;
         let curved = curved + scene.geometry.object_count() - scene.geometry.primitives.len() as u64;
         // A sphere has as many triangles as the square of the segments around it.
@@ -204,7 +202,7 @@ impl<'a> Builder<'a> {
     /// Triangles that a shape takes.
     fn cost(&self, id: ShapeId) -> usize {
         let shapes = &self.scene.geometry.shapes;
-        let else_about = if is_curved(shapes, id) { (self.around * self.around) as usize } else { 12 };
+        let else_about = if shapes.is_curved(id) { (self.around * self.around) as usize } else { 12 };
         Mesh::find(shapes, id).map_or(else_about, Mesh::triangle_count)
     }
 
@@ -483,17 +481,6 @@ impl<'a> Builder<'a> {
         let Builder { meshes, instances, bounds, has_boxes, .. } = self;
         Preview { meshes, instances, lines, bounds, has_boxes, atlas }
     }
-}
-
-/// Whether a shape has the more triangles the more segments there are around it.
-fn is_curved(shapes: &Shapes, id: ShapeId) -> bool {
-    let flat = Mesh::find(shapes, id).is_some()
-        || Plane::find(shapes, id).is_some()
-        || Quad::find(shapes, id).is_some()
-        || Triangle::find(shapes, id).is_some()
-        || Cuboid::find(shapes, id).is_some()
-        || Disk::find(shapes, id).is_some();
-    !flat
 }
 
 fn white_vertices(triangles: &Tessellation) -> Vec<Vertex> {

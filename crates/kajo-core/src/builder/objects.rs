@@ -7,12 +7,11 @@ use kajo_math::{DAffine3, Motion, Transform};
 use super::area_lights::double;
 use super::frames::Frames;
 use super::{OwnMaterials, SceneBuilder, SceneError, check_finite};
-use crate::family::Pooled;
 use crate::ids::{FrameId, MaterialSlot, MotionId, ObjectId, PoseId, TransformId};
 use crate::material::MaterialId;
 use crate::objects::Label;
 use crate::scene::{Geometry, Primitive};
-use crate::shape::{AnyShape, Csg, ShapeId, Shapes, Surface};
+use crate::shape::{AnyShape, ShapeId, Shapes};
 
 impl SceneBuilder {
     /// Adds a shape, which can stand in many places.
@@ -120,14 +119,12 @@ impl SceneBuilder {
     /// Shows what has moving parts as the shutter sees it; see [`Surface::part_motion`](crate::shape::Surface::part_motion).
     pub(super) fn expose_moving_parts(&mut self) {
         let geometry = &mut self.geometry;
-        for csg in geometry.shapes.csgs.iter_mut().filter(|csg| csg.has_moving_parts()) {
-            *csg = csg.exposed(self.shutter);
-        }
+        geometry.shapes.expose(self.shutter);
         for primitive in &geometry.primitives {
-            let Some(csg) = Csg::find(&geometry.shapes, primitive.shape).filter(|csg| csg.moves()) else {
+            if !geometry.shapes.moves(primitive.shape) {
                 continue;
-            };
-            debug_assert!(csg.has_moving_parts());
+            }
+            debug_assert!(geometry.shapes.has_moving_parts(primitive.shape));
             if let Some(motion) = primitive.pose.moving_in_mut(&mut geometry.motions) {
                 motion.hold_moving();
             }

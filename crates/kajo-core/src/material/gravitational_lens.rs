@@ -57,6 +57,10 @@ impl Material for GravitationalLens {
         true
     }
 
+    fn is_thin_lens(&self) -> bool {
+        true
+    }
+
     fn bsdf<'a>(&'a self, _appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let n = at.context.n;
         let shift = Frame::from_normal(n).to_local(self.deflection(at.context.p, n));

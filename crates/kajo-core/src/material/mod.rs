@@ -174,6 +174,11 @@ pub trait Material {
         false
     }
 
+    /// Whether its surface itself turns light that goes through it, as a lens of no thickness does.
+    fn is_thin_lens(&self) -> bool {
+        false
+    }
+
     /// Whether a body of it is filled anywhere with a medium that absorbs or scatters light.
     fn has_medium(&self, appearance: &Appearance) -> bool {
         let own = self.medium().is_some_and(|medium| !appearance.media.bends_light(medium));
@@ -238,6 +243,8 @@ family! {
         fn is_mixture() -> bool;
         /// See [`Material::wants_footprint`].
         fn wants_footprint() -> bool;
+        /// See [`Material::is_thin_lens`].
+        fn is_thin_lens() -> bool;
     }
     methods of Appearance.materials {
         /// See [`Material::phong`].

@@ -118,6 +118,10 @@ impl Surface for Cuboid {
         true
     }
 
+    fn is_curved(&self) -> bool {
+        false
+    }
+
     fn part_count(&self) -> u32 {
         6
     }

@@ -90,4 +90,8 @@ impl Surface for Disk {
     fn is_closed(&self) -> bool {
         false
     }
+
+    fn is_curved(&self) -> bool {
+        false
+    }
 }

@@ -299,6 +299,10 @@ impl Surface for Mesh {
         self.parts.closed
     }
 
+    fn is_curved(&self) -> bool {
+        false
+    }
+
     fn part_count(&self) -> u32 {
         self.parts.faces.len() as u32
     }

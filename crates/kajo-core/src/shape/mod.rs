@@ -72,7 +72,7 @@ use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3, Vec4, robust::gamma};
 use crate::family::family;
 use crate::ids::MaterialSlot;
 use crate::interaction::{Hit, SurfacePoint, Tangents, test_error};
-use crate::motion::MovingTransform;
+use crate::motion::{MovingTransform, Shutter};
 
 /// What every shape can do. All in object space.
 pub trait Surface: Sized {
@@ -107,6 +107,14 @@ pub trait Surface: Sized {
 
     /// Whether there are parts with a [`Surface::part_motion`] if the shutter is open when they move.
     fn has_moving_parts(&self) -> bool {
+        false
+    }
+
+    /// Sees parts that move through a shutter.
+    fn expose(&mut self, _shutter: Shutter) {}
+
+    /// Whether any part moves while the shutter is open that it was last exposed to.
+    fn moves(&self) -> bool {
         false
     }
 
@@ -197,6 +205,11 @@ pub trait Surface: Sized {
         self.patches(|part, patch| out.patch(part, &patch, around));
     }
 
+    /// Whether [`Surface::tessellate`] makes triangles that grow in number with the square of the segments around.
+    fn is_curved(&self) -> bool {
+        true
+    }
+
     /// Which of the shape's own materials a part has, if it brings any.
     fn material_slot(&self, _part: u32) -> Option<MaterialSlot> {
         None
@@ -245,6 +258,10 @@ family! {
         /// See [`Surface::is_solid`].
         fn is_solid() -> bool;
     }
+    all methods {
+        /// See [`Surface::expose`].
+        fn expose(shutter: Shutter);
+    }
     methods {
         /// See [`Surface::bounds`].
         fn bounds() -> Aabb;
@@ -260,6 +277,8 @@ family! {
         fn part_motion(part: u32) -> Option<&MovingTransform>;
         /// See [`Surface::has_moving_parts`].
         fn has_moving_parts() -> bool;
+        /// See [`Surface::moves`].
+        fn moves() -> bool;
         /// See [`Surface::bounds_during`].
         fn bounds_during(part: [f64; 2]) -> Aabb;
         /// See [`Surface::hit_at`].
@@ -296,6 +315,8 @@ family! {
         fn without_patches() -> Option<&'static str>;
         /// See [`Surface::tessellate`].
         fn tessellate(around: u32, out: &mut Tessellation);
+        /// See [`Surface::is_curved`].
+        fn is_curved() -> bool;
         /// See [`Surface::material_slot`].
         fn material_slot(part: u32) -> Option<MaterialSlot>;
         /// See [`Surface::heap_bytes`].

@@ -82,6 +82,10 @@ impl Surface for Plane {
         false
     }
 
+    fn is_curved(&self) -> bool {
+        false
+    }
+
     /// It bounds the half of space that its normal points away from.
     fn is_solid(&self) -> bool {
         true

@@ -88,4 +88,8 @@ impl Surface for Quad {
     fn is_closed(&self) -> bool {
         false
     }
+
+    fn is_curved(&self) -> bool {
+        false
+    }
 }

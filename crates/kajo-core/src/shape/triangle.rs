@@ -100,6 +100,10 @@ impl Surface for Triangle {
     fn is_closed(&self) -> bool {
         false
     }
+
+    fn is_curved(&self) -> bool {
+        false
+    }
 }
 
 #[inline]

@@ -2,10 +2,8 @@
 
 use std::fmt;
 
-use kajo_core::Pooled;
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
-use kajo_core::material::GravitationalLens;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 use kajo_core::space::Space;
@@ -126,7 +124,7 @@ pub const WITHOUT_CURVES: &str = "light goes straight through bodies and lenses 
 /// Why light is not bent, where a scene has bodies that do.
 pub fn without_curves(scene: &Scene) -> Option<&'static str> {
     let materials = &scene.appearance.materials;
-    let has_lens = materials.ids().any(|id| GravitationalLens::find(materials, id).is_some());
+    let has_lens = materials.ids().any(|id| materials.is_thin_lens(id));
     (scene.space() == Space::Curved || has_lens).then_some(WITHOUT_CURVES)
 }
 

@@ -148,16 +148,6 @@ impl Csg {
         Ok(making.finish(SetExpression::Node(operation, expressions)))
     }
 
-    /// The same solid seen through a shutter.
-    pub(crate) fn exposed(&self, shutter: Shutter) -> Csg {
-        let mut making = Making::new(shutter);
-        match making.solid(self, &Motion::still(DAffine3::IDENTITY), Some(None)) {
-            Ok(expression) => making.finish(expression),
-            // It was possible before.
-            Err(_) => self.clone(),
-        }
-    }
-
     /// The same solid without the materials of its leaves.
     #[must_use]
     pub fn of_one_material(&self) -> Csg {
@@ -166,11 +156,6 @@ impl Csg {
             Ok(expression) => making.finish(expression),
             Err(_) => self.clone(),
         }
-    }
-
-    /// Whether any leaf moves while the shutter is open.
-    pub(crate) fn moves(&self) -> bool {
-        self.0.leaves.iter().any(|leaf| matches!(leaf.transform, Some(LeafTransform::Moving(_))))
     }
 
     /// The numbers of the materials of its leaves.
@@ -511,6 +496,21 @@ impl Surface for Csg {
 
     fn has_moving_parts(&self) -> bool {
         self.0.leaves.iter().any(|leaf| leaf.map.constant().is_none())
+    }
+
+    fn expose(&mut self, shutter: Shutter) {
+        if !self.has_moving_parts() {
+            return;
+        }
+        let mut making = Making::new(shutter);
+        // It was possible before.
+        if let Ok(expression) = making.solid(self, &Motion::still(DAffine3::IDENTITY), Some(None)) {
+            *self = making.finish(expression);
+        }
+    }
+
+    fn moves(&self) -> bool {
+        self.0.leaves.iter().any(|leaf| matches!(leaf.transform, Some(LeafTransform::Moving(_))))
     }
 
     fn bounds_during(&self, part: [f64; 2]) -> Aabb {

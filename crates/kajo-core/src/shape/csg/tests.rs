@@ -211,7 +211,9 @@ fn operands_move_as_if_they_stood_still_at_each_moment() {
                 });
                 let inner = Csg::new(operation, &inner.collect::<Vec<_>>()).unwrap();
                 let nested = vec![SolidPart { shape: inner.into(), map: outer, material: None, source: 0 }];
-                Csg::new(Difference, &[nested, ball(0.2, 0.4)]).unwrap().exposed(shutter)
+                let mut solid = Csg::new(Difference, &[nested, ball(0.2, 0.4)]).unwrap();
+                solid.expose(shutter);
+                solid
             };
             let moving = of(&Motion::clone);
             assert!(moving.moves() && moving.has_moving_parts());
