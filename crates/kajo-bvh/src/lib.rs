@@ -28,6 +28,7 @@ mod build;
 mod group;
 mod moving;
 mod node;
+#[cfg(any(test, feature = "bench"))]
 mod packet;
 mod refit;
 mod simd;

@@ -96,6 +96,7 @@ impl Node {
     }
 
     /// A plane of one child: twice the axis, plus one for the larger side.
+    #[cfg(any(test, feature = "bench"))]
     #[inline(always)]
     pub(crate) fn plane(&self, row: usize, slot: usize) -> f32 {
         self.planes[row][slot % WIDTH]

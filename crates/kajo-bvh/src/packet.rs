@@ -19,7 +19,7 @@ use self::shears::{Hits, Shears};
 use crate::TriangleBvh;
 use crate::group::{Shear, TriangleHit};
 use crate::node::{WIDTH, Wide};
-use crate::simd::{Simd, Stack, dispatch};
+use crate::simd::{PacketSimd, Stack, dispatch};
 use crate::triangles::leaf;
 use crate::walk::{Tree, WAITING, Waiting, descend};
 
@@ -33,14 +33,14 @@ const FEW: u32 = 2;
 type Lanes = [f32; RAYS];
 
 /// The rays, number by number.
-pub(super) struct Rays<S: Simd> {
+pub(super) struct Rays<S: PacketSimd> {
     pub(super) o: [S::F32x8; 3],
     pub(super) d: [S::F32x8; 3],
     pub(super) t_min: S::F32x8,
     pub(super) t_max: S::F32x8,
 }
 
-impl<S: Simd> Rays<S> {
+impl<S: PacketSimd> Rays<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &[Ray; RAYS]) -> Rays<S> {
         let o = [
@@ -74,18 +74,18 @@ impl<S: Simd> Rays<S> {
 pub(super) const ALL: u32 = (1 << RAYS) - 1;
 
 #[inline(always)]
-pub(super) fn abs<S: Simd>(simd: S, x: S::F32x8) -> S::F32x8 {
+pub(super) fn abs<S: PacketSimd>(simd: S, x: S::F32x8) -> S::F32x8 {
     simd.max(x, simd.sub(simd.splat(0.0), x))
 }
 
 #[inline(always)]
-pub(super) fn smallest<S: Simd>(simd: S, x: S::F32x8) -> f32 {
+pub(super) fn smallest<S: PacketSimd>(simd: S, x: S::F32x8) -> f32 {
     let [a, b] = simd.halves(x);
     a.min(b).min_element()
 }
 
 #[inline(always)]
-pub(super) fn largest<S: Simd>(simd: S, x: S::F32x8) -> f32 {
+pub(super) fn largest<S: PacketSimd>(simd: S, x: S::F32x8) -> f32 {
     let [a, b] = simd.halves(x);
     a.max(b).max_element()
 }
@@ -96,7 +96,12 @@ impl Tree {
     ///
     /// Returns whether that was done: rays that do not run together are left alone.
     #[inline(always)]
-    fn nearest8<S: Simd>(&self, simd: S, rays: &Rays<S>, mut leaf: impl FnMut(u32, u32) -> S::F32x8) -> bool {
+    fn nearest8<S: PacketSimd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        mut leaf: impl FnMut(u32, u32) -> S::F32x8,
+    ) -> bool {
         let Some(root) = self.root else { return true };
         let Some(slabs) = Slabs::new(simd, rays, self.reach()) else { return false };
         let mut stack = Stack::<Waiting, WAITING>::new();
@@ -154,7 +159,11 @@ impl TriangleBvh {
     }
 
     #[inline(always)]
-    pub(crate) fn closest8_on<S: Simd>(&self, simd: S, rays: &[Ray; RAYS]) -> [Option<TriangleHit>; RAYS] {
+    pub(crate) fn closest8_on<S: PacketSimd>(
+        &self,
+        simd: S,
+        rays: &[Ray; RAYS],
+    ) -> [Option<TriangleHit>; RAYS] {
         let (together, mut out) = (self.closest_together(simd, rays), [None; RAYS]);
         for (i, out) in out.iter_mut().enumerate() {
             *out = match &together {
@@ -166,7 +175,7 @@ impl TriangleBvh {
     }
 
     #[inline(always)]
-    fn closest_together<S: Simd>(&self, simd: S, rays: &[Ray; RAYS]) -> Option<Hits> {
+    fn closest_together<S: PacketSimd>(&self, simd: S, rays: &[Ray; RAYS]) -> Option<Hits> {
         let (numbers, groups) = (Rays::new(simd, rays), &*self.groups);
         let shears = Shears::new(simd, &numbers)?;
         let mut hits = Hits::before(simd.store(numbers.t_max));

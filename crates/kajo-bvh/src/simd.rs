@@ -10,7 +10,13 @@
 //! machines, which is how tightly a box encloses, never what is hit.
 #![allow(unsafe_code, reason = "intrinsics, each behind a proof that the processor has them")]
 
+#[cfg(any(test, feature = "bench"))]
+mod packet;
+
 use kajo_math::Vec4;
+
+#[cfg(any(test, feature = "bench"))]
+pub(crate) use packet::PacketSimd;
 
 /// A set of instructions that works on eight floats.
 pub(crate) trait Simd: Copy {
@@ -22,24 +28,14 @@ pub(crate) trait Simd: Copy {
     fn splat(self, x: f32) -> Self::F32x8;
     fn load(self, x: &[f32; 8]) -> Self::F32x8;
     fn store(self, x: Self::F32x8) -> [f32; 8];
-    fn add(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
-    fn sub(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
-    fn mul(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
-    fn div(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// `a b + c`, rounded once or twice.
     fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
     fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// Bit `i` tells whether `a <= b` in lane `i`.
     fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32;
-    /// Bit `i` tells whether `a < b` in lane `i`.
-    fn lt(self, a: Self::F32x8, b: Self::F32x8) -> u32;
-    /// Bit `i` is the sign of lane `i`, set for negative zero.
-    fn signs(self, x: Self::F32x8) -> u32;
     /// The first and the last four.
     fn halves(self, x: Self::F32x8) -> [Vec4; 2];
-    /// Of two halves.
-    fn join(self, halves: [Vec4; 2]) -> Self::F32x8;
 
     /// Four doubles; every operation rounds once, the same on all machines.
     type F64x4: Copy;
@@ -97,22 +93,6 @@ impl Simd for Portable {
         out
     }
     #[inline(always)]
-    fn add(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
-        [a[0] + b[0], a[1] + b[1]]
-    }
-    #[inline(always)]
-    fn sub(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
-        [a[0] - b[0], a[1] - b[1]]
-    }
-    #[inline(always)]
-    fn mul(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
-        [a[0] * b[0], a[1] * b[1]]
-    }
-    #[inline(always)]
-    fn div(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
-        [a[0] / b[0], a[1] / b[1]]
-    }
-    #[inline(always)]
     fn mul_add(self, a: [Vec4; 2], b: [Vec4; 2], c: [Vec4; 2]) -> [Vec4; 2] {
         [a[0] * b[0] + c[0], a[1] * b[1] + c[1]]
     }
@@ -129,20 +109,8 @@ impl Simd for Portable {
         a[0].cmple(b[0]).bitmask() | a[1].cmple(b[1]).bitmask() << 4
     }
     #[inline(always)]
-    fn lt(self, a: [Vec4; 2], b: [Vec4; 2]) -> u32 {
-        a[0].cmplt(b[0]).bitmask() | a[1].cmplt(b[1]).bitmask() << 4
-    }
-    #[inline(always)]
-    fn signs(self, x: [Vec4; 2]) -> u32 {
-        x[0].is_negative_bitmask() | x[1].is_negative_bitmask() << 4
-    }
-    #[inline(always)]
     fn halves(self, x: [Vec4; 2]) -> [Vec4; 2] {
         x
-    }
-    #[inline(always)]
-    fn join(self, halves: [Vec4; 2]) -> [Vec4; 2] {
-        halves
     }
 
     type F64x4 = [f64; 4];
@@ -316,26 +284,6 @@ mod avx {
             out
         }
         #[inline(always)]
-        fn add(self, a: __m256, b: __m256) -> __m256 {
-            // SAFETY: as above.
-            unsafe { _mm256_add_ps(a, b) }
-        }
-        #[inline(always)]
-        fn sub(self, a: __m256, b: __m256) -> __m256 {
-            // SAFETY: as above.
-            unsafe { _mm256_sub_ps(a, b) }
-        }
-        #[inline(always)]
-        fn mul(self, a: __m256, b: __m256) -> __m256 {
-            // SAFETY: as above.
-            unsafe { _mm256_mul_ps(a, b) }
-        }
-        #[inline(always)]
-        fn div(self, a: __m256, b: __m256) -> __m256 {
-            // SAFETY: as above.
-            unsafe { _mm256_div_ps(a, b) }
-        }
-        #[inline(always)]
         fn mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
             // SAFETY: as above.
             unsafe { _mm256_fmadd_ps(a, b, c) }
@@ -356,24 +304,9 @@ mod avx {
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32 }
         }
         #[inline(always)]
-        fn lt(self, a: __m256, b: __m256) -> u32 {
-            // SAFETY: as above.
-            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32 }
-        }
-        #[inline(always)]
-        fn signs(self, x: __m256) -> u32 {
-            // SAFETY: as above.
-            unsafe { _mm256_movemask_ps(x) as u32 }
-        }
-        #[inline(always)]
         fn halves(self, x: __m256) -> [Vec4; 2] {
             // SAFETY: as above.
             unsafe { [_mm256_castps256_ps128(x).into(), _mm256_extractf128_ps::<1>(x).into()] }
-        }
-        #[inline(always)]
-        fn join(self, [a, b]: [Vec4; 2]) -> __m256 {
-            // SAFETY: as above.
-            unsafe { _mm256_set_m128(b.into(), a.into()) }
         }
 
         type F64x4 = __m256d;

@@ -60,18 +60,6 @@ impl Simd for Counting {
     fn store(self, x: Self::F32x8) -> [f32; 8] {
         Portable.store(x)
     }
-    fn add(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
-        Portable.add(a, b)
-    }
-    fn sub(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
-        Portable.sub(a, b)
-    }
-    fn mul(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
-        Portable.mul(a, b)
-    }
-    fn div(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
-        Portable.div(a, b)
-    }
     fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8 {
         Portable.mul_add(a, b, c)
     }
@@ -85,17 +73,8 @@ impl Simd for Counting {
         NODES.set(NODES.get() + 1);
         Portable.le(a, b)
     }
-    fn lt(self, a: Self::F32x8, b: Self::F32x8) -> u32 {
-        Portable.lt(a, b)
-    }
-    fn signs(self, x: Self::F32x8) -> u32 {
-        Portable.signs(x)
-    }
     fn halves(self, x: Self::F32x8) -> [Vec4; 2] {
         Portable.halves(x)
-    }
-    fn join(self, halves: [Vec4; 2]) -> Self::F32x8 {
-        Portable.join(halves)
     }
     fn widen(self, x: Vec4) -> Self::F64x4 {
         Portable.widen(x)

@@ -4,7 +4,7 @@ use kajo_math::Vec3;
 
 use super::{ALL, Rays, abs, largest, smallest};
 use crate::node::{Node, Wide};
-use crate::simd::Simd;
+use crate::simd::PacketSimd;
 use crate::slabs::{LARGEST_ERROR, LEAST_SLOPE, OWN_ERROR, U};
 
 /// The beam around the rays, all of which run into the same octant from `t_min >= 0` on.
@@ -15,13 +15,13 @@ use crate::slabs::{LARGEST_ERROR, LEAST_SLOPE, OWN_ERROR, U};
 /// or sooner, as long as `a` is not negative. Where it is, so are the ray's and the beam's
 /// parameters, and which negative number they are does not matter: no ray begins before zero.
 /// As a product with the plane plus a constant, each bound costs one instruction.
-pub(super) struct Beam<S: Simd> {
+pub(super) struct Beam<S: PacketSimd> {
     axes: [BeamAxis<S>; 3],
     t_min: S::F32x8,
 }
 
 /// The beam on one axis.
-struct BeamAxis<S: Simd> {
+struct BeamAxis<S: PacketSimd> {
     /// Which of a box's planes is met first: 0 the smaller, 1 the larger.
     first: usize,
     /// `s m` and the constant for entering.
@@ -30,7 +30,7 @@ struct BeamAxis<S: Simd> {
     leave: [S::F32x8; 2],
 }
 
-impl<S: Simd> BeamAxis<S> {
+impl<S: PacketSimd> BeamAxis<S> {
     /// `None` where that cannot be done in finite numbers.
     ///
     /// * `sign`: 1 or -1
@@ -64,7 +64,7 @@ impl<S: Simd> BeamAxis<S> {
     }
 }
 
-impl<S: Simd> Beam<S> {
+impl<S: PacketSimd> Beam<S> {
     /// The children whose boxes some ray may meet before `t_max`, and where the first enters each.
     #[inline(always)]
     pub(super) fn intersect(&self, simd: S, node: &Node, t_max: f32) -> (u32, S::F32x8) {
@@ -83,20 +83,20 @@ impl<S: Simd> Beam<S> {
 }
 
 /// The rays' side of box tests.
-pub(super) struct Slabs<S: Simd> {
+pub(super) struct Slabs<S: PacketSimd> {
     pub(super) beam: Beam<S>,
     axes: [Axis<S>; 3],
     t_min: S::F32x8,
 }
 
 /// The rays on one axis, as in [`crate::slabs`].
-struct Axis<S: Simd> {
+struct Axis<S: PacketSimd> {
     rd: S::F32x8,
     near: S::F32x8,
     far: S::F32x8,
 }
 
-impl<S: Simd> Slabs<S> {
+impl<S: PacketSimd> Slabs<S> {
     /// `None` where the rays do not run into the same octant, or one begins before zero or can hit
     /// nothing.
     #[inline(always)]
@@ -151,7 +151,7 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-impl<S: Simd> Axis<S> {
+impl<S: PacketSimd> Axis<S> {
     /// `None` where the rays run both ways, or a number is not finite.
     #[inline(always)]
     fn new(

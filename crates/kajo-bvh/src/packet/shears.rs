@@ -4,10 +4,10 @@ use kajo_math::Vec4;
 
 use super::{Lanes, RAYS, Rays};
 use crate::group::{Group, LANES, Shear, Sheared, TriangleHit, take_lowest};
-use crate::simd::Simd;
+use crate::simd::PacketSimd;
 
 /// The rays' side of triangle tests; all have the same axes.
-pub(super) struct Shears<S: Simd> {
+pub(super) struct Shears<S: PacketSimd> {
     axes: [usize; 3],
     o: [S::F32x8; 3],
     slope: [S::F32x8; 2],
@@ -15,7 +15,7 @@ pub(super) struct Shears<S: Simd> {
     t_min: [Vec4; 2],
 }
 
-impl<S: Simd> Shears<S> {
+impl<S: PacketSimd> Shears<S> {
     /// `None` where the rays do not run along the same main axis.
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &Rays<S>) -> Option<Shears<S>> {
@@ -99,13 +99,13 @@ impl<S: Simd> Shears<S> {
 
 /// An edge function.
 #[inline(always)]
-fn edge<S: Simd>(simd: S, x: [S::F32x8; 3], y: [S::F32x8; 3], p: usize, q: usize) -> S::F32x8 {
+fn edge<S: PacketSimd>(simd: S, x: [S::F32x8; 3], y: [S::F32x8; 3], p: usize, q: usize) -> S::F32x8 {
     simd.sub(simd.mul(x[p], y[q]), simd.mul(y[p], x[q]))
 }
 
 /// The first or the last four rays' numbers.
 #[inline(always)]
-fn half_of<S: Simd>(simd: S, v: [S::F32x8; 3], half: usize) -> [Vec4; 3] {
+fn half_of<S: PacketSimd>(simd: S, v: [S::F32x8; 3], half: usize) -> [Vec4; 3] {
     [simd.halves(v[0])[half], simd.halves(v[1])[half], simd.halves(v[2])[half]]
 }
 

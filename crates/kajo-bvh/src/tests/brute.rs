@@ -4,7 +4,7 @@ use kajo_math::{Ray, Vec3};
 
 use super::meshes::{Mesh, Random};
 use crate::group::{Group, Shear};
-use crate::simd::{Portable, Simd};
+use crate::simd::{PacketSimd, Portable, Simd};
 use crate::triangles::can_be_hit;
 use crate::{BuildSettings, Quality, TriangleBvh, TriangleHit};
 
@@ -39,7 +39,7 @@ impl Loop {
 }
 
 /// Checks that rays traced by eights hit what they hit alone.
-fn check_packets<S: Simd>(simd: S, tree: &TriangleBvh, rays: &[Ray], name: &str) {
+fn check_packets<S: PacketSimd>(simd: S, tree: &TriangleBvh, rays: &[Ray], name: &str) {
     for packet in rays.as_chunks::<8>().0 {
         let together = tree.closest8_on(simd, packet);
         for (ray, hit) in packet.iter().zip(together) {
