@@ -1,15 +1,24 @@
 //! What the user wrote to make each object, and where: sixteen bytes an object, for there may be millions.
 
+use std::num::NonZeroU32;
 use std::sync::Arc;
 
 /// An object's words, kept by number in [`Objects`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Label {
-    name: u32,
+    name: Option<NameId>,
     /// The item that describes it, see [`Object::described_by`].
     item: u32,
-    keyword: u8,
+    keyword: KeywordId,
 }
+
+/// Names an entry of [`Objects::names`], counted from 1 so that having none takes no room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct NameId(NonZeroU32);
+
+/// Names an entry of [`Objects::keywords`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct KeywordId(u16);
 
 impl Label {
     /// The number of the item that describes it.
@@ -17,9 +26,6 @@ impl Label {
         self.item
     }
 }
-
-/// Stands for "no name" in a [`Label`].
-const NO_NAME: u32 = u32::MAX;
 
 /// What a user wrote as one object of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,11 +59,15 @@ impl Objects {
             self.keywords.push(keyword);
             self.keywords.len() - 1
         });
-        let name = name.map_or(NO_NAME, |name| {
-            self.names.push(name);
-            self.names.len() as u32 - 1
-        });
-        Label { name, item, keyword: number as u8 }
+        let keyword = u16::try_from(number).expect("keywords are those of the language, some hundreds");
+        Label { name: name.and_then(|name| self.add_name(name)), item, keyword: KeywordId(keyword) }
+    }
+
+    /// Keeps a name; `None` where 32 bits do not hold its number.
+    fn add_name(&mut self, name: Arc<str>) -> Option<NameId> {
+        let number = u32::try_from(self.names.len() + 1).ok().and_then(NonZeroU32::new)?;
+        self.names.push(name);
+        Some(NameId(number))
     }
 
     /// Adds an object that the item with the number `placed_by` puts into the scene.
@@ -68,10 +78,10 @@ impl Objects {
 
     /// Gives an object another name; `false` where there is none of that number.
     pub(crate) fn rename(&mut self, primitive: usize, name: Arc<str>) -> bool {
-        let number = self.names.len() as u32;
-        let Some(label) = self.labels.get_mut(primitive) else { return false };
-        label.name = number;
-        self.names.push(name);
+        if primitive >= self.labels.len() {
+            return false;
+        }
+        self.labels[primitive].name = self.add_name(name);
         true
     }
 
@@ -104,10 +114,45 @@ impl Objects {
     /// The words of an object with a label.
     pub(crate) fn words(&self, label: Label, placed_by: u32) -> Option<Object<'_>> {
         Some(Object {
-            name: self.names.get(label.name as usize).map(|name| &**name),
-            keyword: self.keywords.get(usize::from(label.keyword))?,
+            name: label.name.and_then(|NameId(n)| self.names.get(n.get() as usize - 1)).map(|name| &**name),
+            keyword: self.keywords.get(usize::from(label.keyword.0))?,
             described_by: label.item,
             placed_by,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Words of more keywords than a byte counts, with and without names, are those that were given.
+    #[test]
+    fn words_are_kept() {
+        const KEYWORDS: [&str; 300] = {
+            let text = "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyz";
+            let mut words = [""; 300];
+            let mut i = 0;
+            while i < 300 {
+                let (_, tail) = text.split_at(i % 26);
+                (words[i], _) = tail.split_at(1 + i / 26);
+                i += 1;
+            }
+            words
+        };
+        let mut objects = Objects::default();
+        for (i, keyword) in (0..).zip(KEYWORDS) {
+            let name = (i % 3 == 0).then(|| format!("number {i}").into());
+            let label = objects.label(name, keyword, i + 7);
+            objects.push(label, i);
+        }
+        assert!(objects.rename(1, "another".into()) && !objects.rename(300, "nobody".into()));
+        for (i, object) in objects.iter().enumerate() {
+            let name = (i % 3 == 0).then(|| format!("number {i}"));
+            let name = if i == 1 { Some("another") } else { name.as_deref() };
+            assert_eq!((object.name, object.keyword), (name, KEYWORDS[i]));
+            assert_eq!((object.described_by, object.placed_by), (i as u32 + 7, i as u32));
+        }
+        assert_eq!(size_of::<Label>() + size_of::<u32>(), 16);
     }
 }

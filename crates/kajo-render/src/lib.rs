@@ -25,7 +25,7 @@ pub use kajo_core::light::MAX_LIGHT_GROUPS;
 pub use progress::{Progress, Silent};
 pub use ray_counters::RayCounters;
 pub use rect::Rect;
-pub use sample::{FirstHit, PixelIntegrator, PixelSample, WithState};
+pub use sample::{FirstHit, PixelIntegrator, PixelSample, SamplesPerState, WithState};
 pub use schedule::{
     FailedUnit, Goal, Position, RenderError, RenderSettings, RenderStats, Unit, position_of, render,
     render_passes, render_work_unit,

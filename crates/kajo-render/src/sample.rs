@@ -1,5 +1,7 @@
 //! What one camera ray brings to the film, and the integrators that cast it.
 
+use std::num::NonZeroU32;
+
 use kajo_math::{Vec2, Vec3};
 
 use crate::{RayCounters, SampleContext, Setup, SetupError, Trail};
@@ -28,6 +30,36 @@ pub struct FirstHit {
     pub material: u32,
 }
 
+/// Samples of each pixel that share one state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplesPerState {
+    /// So many in a row.
+    Count(NonZeroU32),
+    /// All there are.
+    All,
+}
+
+impl SamplesPerState {
+    /// A state for each.
+    pub const ONE: SamplesPerState = SamplesPerState::Count(NonZeroU32::MIN);
+
+    /// The number of the state that the sample at a position has.
+    pub fn part_of(self, position: u32) -> u32 {
+        match self {
+            SamplesPerState::Count(n) => position / n,
+            SamplesPerState::All => 0,
+        }
+    }
+
+    /// One past the last position of the samples that share a state with that at `position`, as far as they can be counted.
+    pub fn end_of_part(self, position: u32) -> u32 {
+        match self {
+            SamplesPerState::Count(n) => (position / n + 1).saturating_mul(n.get()),
+            SamplesPerState::All => u32::MAX,
+        }
+    }
+}
+
 /// Radiance arriving along the camera ray through a film position.
 pub trait PixelIntegrator: Sync {
     /// Casts one camera ray.
@@ -53,7 +85,7 @@ pub trait PixelIntegrator: Sync {
     /// Samples of each pixel that share one state, which is made before they are taken; `None` where each stands by itself.
     ///
     /// See [`state`](crate::state).
-    fn samples_per_state(&self) -> Option<u32> {
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
         None
     }
 

@@ -11,7 +11,7 @@
 //! So whoever takes a unit of work can make its state again: a render that goes on from a checkpoint, or another machine. Neither
 //! threads nor tiles nor the moment at which a pass ends can change a bit of it.
 
-use crate::{PixelIntegrator, RayCounters, Setup, SetupError};
+use crate::{PixelIntegrator, RayCounters, SamplesPerState, Setup, SetupError};
 
 /// The parts' states of an integrator, one at a time: the newest is kept until another one is asked for.
 pub struct States<'i, I: ?Sized> {
@@ -27,7 +27,7 @@ impl<'i, I: PixelIntegrator + ?Sized> States<'i, I> {
 
     /// One past the last position of the part that a position belongs to.
     pub fn end_of_part(&self, position: u32) -> u32 {
-        self.integrator.samples_per_state().map_or(u32::MAX, |n| (position / n.max(1) + 1).saturating_mul(n))
+        self.integrator.samples_per_state().unwrap_or(SamplesPerState::All).end_of_part(position)
     }
 
     /// The integrator with the state of the part that a position belongs to, which is made unless it is kept; `None` for an integrator without
@@ -43,8 +43,8 @@ impl<'i, I: PixelIntegrator + ?Sized> States<'i, I> {
         setup: &Setup<'_>,
         rays: &mut RayCounters,
     ) -> Result<Option<&(dyn PixelIntegrator + 'i)>, SetupError> {
-        let Some(n) = self.integrator.samples_per_state() else { return Ok(None) };
-        let k = position / n.max(1);
+        let Some(samples) = self.integrator.samples_per_state() else { return Ok(None) };
+        let k = samples.part_of(position);
         if self.current.as_ref().is_none_or(|&(part, _)| part != k) {
             // The last one makes room.
             self.current = None;

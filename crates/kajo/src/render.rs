@@ -231,7 +231,9 @@ impl<'a> RenderRequest<'a> {
 pub fn render(request: &RenderRequest<'_>, progress: &dyn Progress) -> Result<Picture, RenderError> {
     let layers = request.layers();
     let integrator = request.integrator(layers);
-    let one_pass = integrator.samples_per_state().is_none_or(|n| n >= request.settings.samples.1);
+    let one_pass = integrator
+        .samples_per_state()
+        .is_none_or(|per_state| per_state.end_of_part(0) >= request.settings.samples.1);
     let spec = FilmSpec { one_pass, ..film_spec(request.camera(), request.settings, layers) };
     request.check_memory(&spec)?;
     let film = new_film(spec)?;

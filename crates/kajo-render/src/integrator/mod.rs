@@ -39,7 +39,8 @@ use kajo_core::settings::Settings;
 use kajo_math::Vec2;
 
 use crate::trail::{Counting, PathObserver};
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Setup, SetupError, Trail, WithState};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, SamplesPerState};
+use crate::{Setup, SetupError, Trail, WithState};
 
 /// Writes the enum of all settings, with a `match` for each method of [`Prepare`].
 macro_rules! settings {
@@ -162,7 +163,7 @@ pub(crate) trait Integrator: Sync {
     }
 
     /// As [`PixelIntegrator::samples_per_state`].
-    fn samples_per_state(&self) -> Option<u32> {
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
         None
     }
 
@@ -190,7 +191,7 @@ impl<I: Integrator> PixelIntegrator for I {
         Integrator::trails_need_state(self)
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
         Integrator::samples_per_state(self)
     }
 

@@ -57,7 +57,7 @@ use super::camera_view::{CameraView, in_white_light};
 use super::transport::{LaneMis, PathState};
 use crate::context::emptied;
 use crate::trail::PathObserver;
-use crate::{LayerSet, PixelSample, SampleContext, Setup, SetupError, WithState};
+use crate::{LayerSet, PixelSample, SampleContext, SamplesPerState, Setup, SetupError, WithState};
 pub use guiding::GuidedPath;
 pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
@@ -143,8 +143,8 @@ impl Integrator for Path<'_> {
         self.observe_with(ctx, raster, observer, Sampled).0
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        self.learns_lights().then_some(u32::MAX)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        self.learns_lights().then_some(SamplesPerState::All)
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

@@ -1,3 +1,4 @@
+use std::num::NonZeroU32;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -10,7 +11,7 @@ use crate::{
     Film, FilmSpec, Goal, Layer, LayerSet, PixelSample, Position, Progress, RenderError, RenderSettings,
     RenderStats, SampleContext, Silent, WithState, render, render_passes,
 };
-use crate::{Rect, Unit, render_work_unit};
+use crate::{Rect, SamplesPerState, Unit, render_work_unit};
 
 /// Light that depends on a table that three samples of each pixel share.
 struct Shared;
@@ -22,8 +23,8 @@ impl PixelIntegrator for Shared {
         panic!("samples are taken with a state")
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        Some(3)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        NonZeroU32::new(3).map(SamplesPerState::Count)
     }
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

@@ -27,7 +27,7 @@ use std::f64::consts::{PI, TAU};
 use kajo_math::{DVec3, fmath};
 
 use super::Scheme;
-use super::cage::Cage;
+use super::cage::{Cage, NONE};
 use super::refine::{Around, loop_share};
 
 /// Normals at corners: one for each run of faces around a vertex without a sharp edge between them.
@@ -77,10 +77,10 @@ pub(super) fn positions(cage: &Cage, scheme: Scheme) -> Vec<DVec3> {
 /// * `positions`: of the vertices as control points
 pub(super) fn normals(cage: &Cage, positions: &[DVec3], scheme: Scheme) -> Normals {
     let around = Around::new(cage, positions);
-    let mut normals = Normals { values: Vec::new(), corners: vec![u32::MAX; cage.corners.len()] };
+    let mut normals = Normals { values: Vec::new(), corners: vec![NONE; cage.corners.len()] };
     let mut ring = Ring::default();
     for c in 0..cage.corners.len() {
-        if normals.corners[c] != u32::MAX {
+        if normals.corners[c] != NONE {
             continue;
         }
         ring.gather(cage, positions, c);

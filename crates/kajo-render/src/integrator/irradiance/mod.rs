@@ -28,7 +28,7 @@ use super::camera_view::CameraView;
 use super::path::{DiffuseVertex, Indirect, IndirectLight, Path};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
-use crate::{Setup, SetupError, WithState};
+use crate::{SamplesPerState, Setup, SetupError, WithState};
 use builder::{Builder, FirstDiffuseVisitor};
 use octree::Octree;
 use record::IrradianceQuery;
@@ -122,8 +122,8 @@ impl Integrator for IrradianceCaching<'_> {
         self.paths.observe(ctx, pixel, raster, observer)
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        Some(u32::MAX)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        Some(SamplesPerState::All)
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

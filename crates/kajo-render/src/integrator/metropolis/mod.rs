@@ -38,7 +38,7 @@ use super::path::Path;
 use super::{Integrator, bidir::BidirectionalSettings, path::PathSettings};
 use crate::trail::PathObserver;
 use crate::{Layer, LayerSet, PixelIntegrator, PixelSample, Rect, SampleContext};
-use crate::{Setup, SetupError, WithState};
+use crate::{SamplesPerState, Setup, SetupError, WithState};
 use chain::{Chain, Evaluation};
 use mutated::Mutated;
 pub use settings::{METROPOLIS, MULTIPLEXED, MetropolisSettings, MutatedSamples};
@@ -171,8 +171,8 @@ impl Integrator for Metropolis<'_> {
         false
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        Some(u32::MAX)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        Some(SamplesPerState::All)
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

@@ -32,8 +32,8 @@ impl PixelIntegrator for Small<'_> {
         panic!("samples are taken with a state")
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        Some(u32::MAX)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        Some(SamplesPerState::All)
     }
 
     fn with_state<'a>(&'a self, _: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

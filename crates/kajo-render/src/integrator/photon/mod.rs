@@ -62,7 +62,7 @@ use super::photon_map::{NearestScratch, PhotonMap};
 use super::transport::{LaneMis, PathState};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
-use crate::{Setup, SetupError, WithState};
+use crate::{SamplesPerState, Setup, SetupError, WithState};
 use emission::{Emission, PhotonRequest, Wanted};
 use gather::Gatherer;
 pub use settings::{PHOTON, PhotonSettings, SPPM};
@@ -247,8 +247,8 @@ impl Integrator for PhotonMapping<'_> {
         self.paths.observe(ctx, pixel, raster, observer)
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        Some(if self.settings.usage.is_some() { u32::MAX } else { 1 })
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        Some(if self.settings.usage.is_some() { SamplesPerState::All } else { SamplesPerState::ONE })
     }
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

@@ -47,7 +47,7 @@ fn mean_of(integrator: &dyn PixelIntegrator, samples: u32) -> Estimate {
         let mut sum = 0.0;
         let mut state: Option<(u32, WithState<'_>)> = None;
         for i in 0..samples {
-            let part = integrator.samples_per_state().map(|n| i / n);
+            let part = integrator.samples_per_state().map(|samples| samples.part_of(i));
             if let Some(k) = part.filter(|&k| state.as_ref().is_none_or(|&(of, _)| of != k)) {
                 let made = integrator.with_state(k, &setup(seed));
                 state = Some((k, made.unwrap_or_else(|error| panic!("{error}"))));

@@ -30,7 +30,8 @@ use super::bidir::{
 };
 use super::camera_view::CameraView;
 use crate::trail::PathObserver;
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Setup, SetupError, WithState};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, SamplesPerState};
+use crate::{Setup, SetupError, WithState};
 pub use settings::{VCM, VertexMergingSettings};
 
 /// Pixels from the middle of a disk of the first pass to its rim.
@@ -130,8 +131,8 @@ impl<'v, V: ReusedVolume<'v>> Integrator for VertexMerging<'v, V> {
         self.connecting.observe_merging(ctx, raster, None, observer)
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        self.settings.merging.then_some(1)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        self.settings.merging.then_some(SamplesPerState::ONE)
     }
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

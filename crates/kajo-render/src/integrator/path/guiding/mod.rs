@@ -25,7 +25,7 @@ use super::{IndirectLight, Leaving, Path, PathSettings, Sampled, Worth, learned}
 use crate::integrator::Integrator;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, RayCounters, SampleContext};
-use crate::{Setup, SetupError, WithState};
+use crate::{SamplesPerState, Setup, SetupError, WithState};
 use collector::{GuideRecord, TELLING};
 use field::{Cell, Field};
 use training::{LEAST_GAIN, Training};
@@ -83,8 +83,8 @@ impl Integrator for GuidedPath<'_> {
         self.path.observe(ctx, pixel, raster, observer)
     }
 
-    fn samples_per_state(&self) -> Option<u32> {
-        Some(u32::MAX)
+    fn samples_per_state(&self) -> Option<SamplesPerState> {
+        Some(SamplesPerState::All)
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
