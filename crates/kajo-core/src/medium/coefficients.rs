@@ -52,16 +52,7 @@ impl Coefficients {
         }
         let scatters = sigma_s.iter().any(|&v| v > 0.0);
         let [sigma_a, sigma_s] = [sigma_a, sigma_s].map(Unbounded::from_rgb);
-        Ok(Coefficients {
-            sigma_a,
-            sigma_s,
-            scatters,
-            phase,
-            emission: None,
-            heat: None,
-            colors: None,
-            is_subsurface: false,
-        })
+        Ok(Coefficients { sigma_a, sigma_s, scatters, phase, ..Coefficients::clear() })
     }
 
     /// Of a clear medium.
@@ -118,16 +109,7 @@ impl Coefficients {
         let sigma_a = Unbounded::from_each(color, &sigma_t, |color, sigma_t| sigma_t * (1.0 - albedo(color)));
         let sigma_s = Unbounded::from_each(color, &sigma_t, |color, sigma_t| sigma_t * albedo(color));
         let scatters = color.rgb().iter().any(|&v| v > 0.0);
-        Ok(Coefficients {
-            sigma_a,
-            sigma_s,
-            scatters,
-            phase,
-            emission: None,
-            heat: None,
-            colors: None,
-            is_subsurface: true,
-        })
+        Ok(Coefficients { sigma_a, sigma_s, scatters, phase, is_subsurface: true, ..Coefficients::clear() })
     }
 
     /// Whether it was made by [`Coefficients::subsurface`], so that light is scattered many times on its way out again.

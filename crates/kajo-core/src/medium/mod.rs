@@ -13,6 +13,7 @@
 //! [`Fog`] is another thing: the haze of the classic formula, which scatters nothing.
 
 mod albedo_grid;
+mod bending;
 mod black_hole;
 #[cfg(test)]
 mod bundle_tests;

@@ -8,16 +8,12 @@
 //!
 //! Scene: `Media { Wormhole gate { mouth 0 0 0  other 20 0 0  throat 1  radius 4 } }`
 
-use kajo_color::Wavelengths;
 use kajo_math::gravity::{Profile, Wormhole};
-use kajo_math::{Aabb, DMat3, DQuat, DVec3, Ray, Vec3};
+use kajo_math::{DMat3, DQuat, DVec3, Vec3};
 
-use super::{Coefficients, Majorant, Majorants, Medium};
-use crate::curved_light::{
-    Chords, ConservedQuantity, Followed, RayEquation, RayState, Region, follow, momentum, position,
-};
-use crate::differential::RayDifferential;
-use crate::texture::Textures;
+use super::bending::only_bends_light;
+use super::{Coefficients, Medium};
+use crate::curved_light::{RayEquation, RayState, Region, momentum, position};
 
 /// The space of both mouths of a wormhole.
 #[derive(Clone, Debug)]
@@ -202,54 +198,17 @@ impl Medium for WormholeMedium {
         self.centers.iter().all(|p| p.is_finite())
     }
 
-    fn coefficients(&self) -> &Coefficients {
-        &self.coefficients
-    }
-
-    fn density(&self, _textures: &Textures, _p: Vec3) -> f32 {
-        0.0
-    }
-
-    fn bounds(&self) -> Option<Aabb> {
-        None
-    }
-
-    fn majorants(&self, ray: &Ray) -> Majorants<'_> {
-        Majorants::one(Majorant { t_min: 0.0, t_max: ray.t_max, density: 0.0 })
-    }
-
-    fn bends_light(&self) -> bool {
-        true
-    }
-
-    fn follow<C: Chords>(
-        &self,
-        ray: &Ray,
-        around: Option<&RayDifferential>,
-        region: &Region,
-        _wavelengths: &Wavelengths,
-        chords: &mut C,
-    ) -> Option<Followed> {
-        Some(follow(&self.rays(region), ray, around, region, chords))
-    }
-
-    fn conserved(
-        &self,
-        ends: &[RayState; 2],
-        region: &Region,
-        _wavelengths: &Wavelengths,
-    ) -> [Option<ConservedQuantity>; 3] {
-        ConservedQuantity::of(&self.rays(region), ends)
-    }
+    only_bends_light!(|medium, region, _wavelengths| medium.rays(region));
 }
 
 #[cfg(test)]
 mod tests {
-    use kajo_math::Aabb;
+    use kajo_color::Wavelengths;
     use kajo_math::gravity::schwarzschild::elliptic_f;
+    use kajo_math::{Aabb, Ray};
 
     use super::*;
-    use crate::curved_light::Outcome;
+    use crate::curved_light::{Chords, Outcome};
 
     /// Nothing in the way.
     struct Empty;

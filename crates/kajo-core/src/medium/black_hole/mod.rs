@@ -18,14 +18,11 @@ mod geodesics;
 #[cfg(test)]
 mod tests;
 
-use kajo_color::Wavelengths;
 use kajo_math::gravity::{Kerr, Observer, seen_from_rest, thin_disk};
-use kajo_math::{Aabb, DMat3, DVec3, Ray, Vec3};
+use kajo_math::{DMat3, DVec3, Ray, Vec3};
 
-use super::{Coefficients, Majorant, Majorants, Medium};
-use crate::curved_light::{Chords, ConservedQuantity, Followed, RayState, Region, follow};
-use crate::differential::RayDifferential;
-use crate::texture::Textures;
+use super::bending::only_bends_light;
+use super::{Coefficients, Medium};
 
 pub use geodesics::Geodesics;
 
@@ -266,25 +263,7 @@ impl Medium for BlackHole {
         self.center.is_finite()
     }
 
-    fn coefficients(&self) -> &Coefficients {
-        &self.coefficients
-    }
-
-    fn density(&self, _textures: &Textures, _p: Vec3) -> f32 {
-        0.0
-    }
-
-    fn bounds(&self) -> Option<Aabb> {
-        None
-    }
-
-    fn majorants(&self, ray: &Ray) -> Majorants<'_> {
-        Majorants::one(Majorant { t_min: 0.0, t_max: ray.t_max, density: 0.0 })
-    }
-
-    fn bends_light(&self) -> bool {
-        true
-    }
+    only_bends_light!(|medium, region, _wavelengths| Geodesics::new(medium, region));
 
     fn observed(&self, ray: &Ray) -> Option<(Vec3, f32)> {
         let velocity = match self.observer {
@@ -294,25 +273,5 @@ impl Medium for BlackHole {
         };
         let (d, ratio) = seen_from_rest(ray.d.as_dvec3().normalize(), velocity?.as_dvec3());
         Some((d.as_vec3(), ratio as f32))
-    }
-
-    fn follow<C: Chords>(
-        &self,
-        ray: &Ray,
-        around: Option<&RayDifferential>,
-        region: &Region,
-        _wavelengths: &Wavelengths,
-        chords: &mut C,
-    ) -> Option<Followed> {
-        Some(follow(&Geodesics::new(self, region), ray, around, region, chords))
-    }
-
-    fn conserved(
-        &self,
-        ends: &[RayState; 2],
-        region: &Region,
-        _wavelengths: &Wavelengths,
-    ) -> [Option<ConservedQuantity>; 3] {
-        ConservedQuantity::of(&Geodesics::new(self, region), ends)
     }
 }

@@ -1,7 +1,8 @@
-use kajo_math::{Aabb, Ray};
+use kajo_color::Wavelengths;
+use kajo_math::Aabb;
 
 use super::*;
-use crate::curved_light::{Outcome, RayEquation, position};
+use crate::curved_light::{Chords, Followed, Outcome, RayEquation, Region, position};
 
 /// Nothing in the way.
 struct Empty;

@@ -20,14 +20,11 @@ mod profile;
 mod tests;
 
 use kajo_color::Wavelengths;
-use kajo_math::{Aabb, DVec3, Ray, Vec3};
+use kajo_math::{DVec3, Vec3};
 
-use super::{Coefficients, Majorants, Medium};
-use crate::curved_light::{
-    Chords, ConservedQuantity, Followed, RayEquation, RayState, Region, Stepping, follow, momentum, position,
-};
-use crate::differential::RayDifferential;
-use crate::texture::Textures;
+use super::bending::only_bends_light;
+use super::{Coefficients, Medium};
+use crate::curved_light::{RayEquation, RayState, Stepping, momentum, position};
 
 pub use dispersing::Dispersing;
 pub use index_grid::{IndexGrid, IndexGridError};
@@ -146,25 +143,7 @@ impl Medium for GradientIndex {
         self.profile.is_finite() && self.turbulence.as_ref().is_none_or(IndexTurbulence::is_finite)
     }
 
-    fn coefficients(&self) -> &Coefficients {
-        &self.coefficients
-    }
-
-    fn density(&self, _textures: &Textures, _p: Vec3) -> f32 {
-        0.0
-    }
-
-    fn bounds(&self) -> Option<Aabb> {
-        None
-    }
-
-    fn majorants(&self, ray: &Ray) -> Majorants<'_> {
-        Majorants::one(super::Majorant { t_min: 0.0, t_max: ray.t_max, density: 0.0 })
-    }
-
-    fn bends_light(&self) -> bool {
-        true
-    }
+    only_bends_light!(|medium, _region, wavelengths| medium.at(wavelengths));
 
     fn is_dispersive(&self) -> bool {
         !matches!(self.dispersing, Dispersing::None)
@@ -173,25 +152,5 @@ impl Medium for GradientIndex {
     fn index(&self, p: Vec3, wavelengths: &Wavelengths) -> Option<f32> {
         let (square, _) = self.at(wavelengths).squared(p.as_dvec3());
         Some(if square.is_finite() { square.sqrt() as f32 } else { 1.0 })
-    }
-
-    fn follow<C: Chords>(
-        &self,
-        ray: &Ray,
-        around: Option<&RayDifferential>,
-        region: &Region,
-        wavelengths: &Wavelengths,
-        chords: &mut C,
-    ) -> Option<Followed> {
-        Some(follow(&self.at(wavelengths), ray, around, region, chords))
-    }
-
-    fn conserved(
-        &self,
-        ends: &[RayState; 2],
-        _region: &Region,
-        wavelengths: &Wavelengths,
-    ) -> [Option<ConservedQuantity>; 3] {
-        ConservedQuantity::of(&self.at(wavelengths), ends)
     }
 }

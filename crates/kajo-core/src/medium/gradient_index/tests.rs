@@ -9,7 +9,7 @@ use kajo_math::{DVec3, Ray, Vec3};
 
 use super::*;
 use crate::curved_light::ball::Ball;
-use crate::curved_light::{Outcome, position};
+use crate::curved_light::{Followed, Outcome, follow, position};
 
 fn through(medium: &GradientIndex, ball: &mut Ball, o: DVec3, d: DVec3) -> Followed {
     let ray = Ray::new(o.as_vec3(), d.normalize().as_vec3());
