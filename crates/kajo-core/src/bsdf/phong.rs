@@ -60,6 +60,13 @@ impl Phong {
     /// A surface that is not seen: all light goes straight on.
     pub const CLEAR: Phong = Phong { transparent: Spectrum::WHITE, ..Phong::BLACK };
 
+    /// A diffuse surface of an albedo times a factor, as far as that is one.
+    pub fn matte(albedo: [f32; 3], scale: f32) -> Phong {
+        let [r, g, b] = albedo.map(|v| (v * scale).clamp(0.0, 1.0));
+        let diffuse = Spectrum::rgb(r, g, b);
+        Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
+    }
+
     /// Light reflected towards the viewer from one light.
     ///
     /// * `n`: unit normal on the side where the light is to count

@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::texture::TextureContext;
 
 /// A texture of one texel that is half white.
-fn grey() -> Vec<u8> {
+pub(super) fn grey() -> Vec<u8> {
     let values = vec![0.5 * std::f32::consts::FRAC_1_PI; 3];
     let samples =
         BtfSamples { size: [1, 1], views: vec![[0.0; 2]], lights: vec![[0.0; 2]], has_cosine: false, values };
@@ -41,12 +41,13 @@ fn compiled(material: &str) -> (Option<Scene>, Vec<String>) {
 
 #[test]
 fn a_texture_is_read_once_and_scaled() {
-    let text = "BTF a { file grey.btf  repeat 3 3 } BTF b { file grey.btf  scale 0.5  filter trilinear }";
+    let text = "BTF a { file grey.btf  repeat 3 3 } BTF b { file grey.btf  scale 0.5  filter trilinear }
+                BTF c { file grey.btf  scale = 0.25 + x }";
     let (scene, said) = compiled(text);
     let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
     let appearance = &scene.appearance;
     assert!(appearance.has_filters && appearance.has_orientations && appearance.has_pictures);
-    for (i, albedo) in [0.5, 0.25].into_iter().enumerate() {
+    for (i, albedo) in [0.5, 0.25, 0.125].into_iter().enumerate() {
         let (context, wavelengths) = (TextureContext::default(), &Wavelengths::RGB);
         let at = ShadingPoint { context: &context, wavelengths, eta_outside: 1.0, u: 0.5 };
         let bsdf = appearance.bsdf(appearance.list[i].0, &at);
@@ -54,6 +55,8 @@ fn a_texture_is_read_once_and_scaled() {
         let found = bsdf.sample(Vec3::Z, Vec2::splat(0.4), 0.3, Transport::Radiance).unwrap().weight;
         assert!((found[1] - albedo).abs() < 1e-3, "{found:?}");
         assert!((bsdf.albedo(Vec3::Z)[2] - albedo).abs() < 1e-3);
+        let phong = appearance.phong(appearance.list[i].0, &context);
+        assert!((phong.diffuse[1] - albedo).abs() < 1e-3, "{phong:?}");
     }
 }
 

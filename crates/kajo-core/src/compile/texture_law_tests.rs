@@ -6,12 +6,14 @@ use kajo_math::{Ray, Vec3};
 use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
 use super::blocks::MATERIALS;
+use super::measured_tests::grey;
 use super::{CompileOptions, compile};
 use crate::scene::Scene;
 use crate::schema::{Block, FieldKind, FieldSpec};
 
 /// What else is in a block, so that each of its parameters makes a difference.
 const BESIDE: &[(&str, &[(&str, &str)])] = &[
+    ("BTF", &[("file", "grey.btf")]),
     ("Glass", &[("thickness", "0.5"), ("absorption", "1 2 3"), ("roughness", "0.5"), ("anisotropy", "0.5")]),
     ("Matte", &[]),
     ("Metal", &[("roughness", "0.5"), ("anisotropy", "0.5")]),
@@ -35,7 +37,6 @@ const BESIDE: &[(&str, &[(&str, &str)])] = &[
 const NO_TEXTURES: &[(&str, &str)] = &[
     ("AccretionDisk", "luminance"),
     ("AccretionDisk", "temperature"),
-    ("BTF", "scale"),
     ("Glass", "indexOfRefraction"),
     ("Glass", "abbeNumber"),
     ("Glass", "absorption"),
@@ -45,7 +46,6 @@ const NO_TEXTURES: &[(&str, &str)] = &[
     ("GravitationalLens", "mass"),
     ("Marble", "frequency"),
     ("Marble", "amplitude"),
-    ("Measured", "scale"),
     ("Material", "indexOfRefraction"),
     ("Material", "refractionIndex"),
     ("Material", "absorption"),
@@ -105,7 +105,7 @@ fn answers(block: &Block, field: &FieldSpec, value: &str) -> Result<[String; 2],
     );
     let mut parsed = SceneDesc::parse_str(&text);
     let mut said = Diagnostics::default();
-    let assets = MemoryAssets::new().with("halves.pfm", halves);
+    let assets = MemoryAssets::new().with("halves.pfm", halves).with("grey.btf", grey());
     let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut said);
     let all = || said.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
     scene.map(|scene| [-0.5, 0.5].map(|x| answer(&scene, x))).ok_or_else(all)

@@ -8,27 +8,28 @@
 
 use std::sync::Arc;
 
-use kajo_color::{RgbBasis, Spectrum};
+use kajo_color::RgbBasis;
 use kajo_math::{Vec2, warp};
 
 use super::{Appearance, Material, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, BtfLobe, Phong};
 use crate::measured::btf::{Btf, Texel};
-use crate::texture::{AnyTexture, TextureContext};
+use crate::texture::{AnyTexture, FloatTexture, TextureContext};
 
 /// A material by a bidirectional texture function.
 #[derive(Clone, Debug)]
 pub struct BtfMaterial {
     btf: Arc<Btf>,
     settings: BtfSettings,
-    constant: Phong,
+    /// Where the classic integrator sees the same everywhere.
+    constant: Option<Phong>,
 }
 
 /// How a bidirectional texture function is laid on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BtfSettings {
     /// A factor of all its values, at least 0.
-    pub scale: f32,
+    pub scale: FloatTexture,
     /// How often it fits into the unit square of surface coordinates.
     pub repeat: Vec2,
     /// By how much of itself it is moved, to the left and down.
@@ -39,16 +40,22 @@ pub struct BtfSettings {
 
 impl Default for BtfSettings {
     fn default() -> BtfSettings {
-        BtfSettings { scale: 1.0, repeat: Vec2::ONE, offset: Vec2::ZERO, is_filtered: false }
+        BtfSettings {
+            scale: FloatTexture::Constant(1.0),
+            repeat: Vec2::ONE,
+            offset: Vec2::ZERO,
+            is_filtered: false,
+        }
     }
 }
 
 impl BtfMaterial {
     /// A surface that `btf` is laid on.
     pub fn new(btf: Arc<Btf>, settings: BtfSettings) -> BtfMaterial {
-        let [r, g, b] = btf.mean_albedo().map(|v| (v * settings.scale).clamp(0.0, 1.0));
-        let diffuse = Spectrum::rgb(r, g, b);
-        let constant = Phong { ambient: diffuse, diffuse, ..Phong::BLACK };
+        let constant = match settings.scale {
+            FloatTexture::Constant(scale) => Some(Phong::matte(btf.mean_albedo(), scale)),
+            FloatTexture::Node(_) => None,
+        };
         BtfMaterial { btf, settings, constant }
     }
 
@@ -100,20 +107,21 @@ impl RemainingUniform {
 
 impl Material for BtfMaterial {
     fn is_finite(&self) -> bool {
-        let BtfSettings { scale, repeat, offset, .. } = self.settings;
-        scale.is_finite() && repeat.is_finite() && offset.is_finite()
+        let BtfSettings { repeat, offset, .. } = self.settings;
+        repeat.is_finite() && offset.is_finite()
     }
 
     fn textures(&self) -> Vec<AnyTexture<'_>> {
-        Vec::new()
+        vec![self.settings.scale.into()]
     }
 
-    fn phong(&self, _appearance: &Appearance, _at: &TextureContext) -> Phong {
-        self.constant
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
+        let scale = || self.settings.scale.at(appearance.textures.evaluator(at));
+        self.constant.unwrap_or_else(|| Phong::matte(self.btf.mean_albedo(), scale()))
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&self.constant)
+        self.constant.as_ref()
     }
 
     fn needs_uv(&self, _appearance: &Appearance) -> bool {
@@ -136,9 +144,10 @@ impl Material for BtfMaterial {
         true
     }
 
-    fn bsdf<'a>(&'a self, _appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let basis = RgbBasis::new(at.wavelengths);
-        Bsdf::Btf(BtfLobe { btf: &self.btf, texel: self.texel(at), scale: self.settings.scale, basis })
+        let scale = self.settings.scale.at(appearance.textures.evaluator(at.context));
+        Bsdf::Btf(BtfLobe { btf: &self.btf, texel: self.texel(at), scale, basis })
     }
 }
 

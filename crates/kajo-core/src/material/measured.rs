@@ -7,8 +7,6 @@
 
 use std::sync::Arc;
 
-use kajo_color::Spectrum;
-
 use super::{Appearance, Material, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, MeasuredLobe, Phong};
 use crate::measured::MeasuredBrdf;
@@ -18,41 +16,49 @@ use crate::texture::{AnyTexture, FloatTexture, TextureContext};
 #[derive(Clone, Debug)]
 pub struct MeasuredMaterial {
     brdf: Arc<MeasuredBrdf>,
-    scale: f32,
+    scale: FloatTexture,
     rotation: FloatTexture,
-    constant: Phong,
+    /// Where it is the same everywhere.
+    constant: Option<Phong>,
 }
 
 impl MeasuredMaterial {
     /// * `scale`: a factor of all values, at least 0
     /// * `rotation`: by how many full turns the x axis is turned from `u` towards `v`
-    pub fn new(brdf: Arc<MeasuredBrdf>, scale: f32, rotation: impl Into<FloatTexture>) -> MeasuredMaterial {
-        let [r, g, b] = brdf.albedo(1.0).map(|v| (v * scale).clamp(0.0, 1.0));
-        let diffuse = Spectrum::rgb(r, g, b);
-        let constant = Phong { ambient: diffuse, diffuse, ..Phong::BLACK };
-        MeasuredMaterial { brdf, scale, rotation: rotation.into(), constant }
+    pub fn new(
+        brdf: Arc<MeasuredBrdf>,
+        scale: impl Into<FloatTexture>,
+        rotation: impl Into<FloatTexture>,
+    ) -> MeasuredMaterial {
+        let (scale, rotation) = (scale.into(), rotation.into());
+        let constant = match scale {
+            FloatTexture::Constant(scale) => Some(Phong::matte(brdf.albedo(1.0), scale)),
+            FloatTexture::Node(_) => None,
+        };
+        MeasuredMaterial { brdf, scale, rotation, constant }
     }
 }
 
 impl Material for MeasuredMaterial {
     fn is_finite(&self) -> bool {
-        self.scale.is_finite()
+        true
     }
 
     fn textures(&self) -> Vec<AnyTexture<'_>> {
-        vec![self.rotation.into()]
+        vec![self.scale.into(), self.rotation.into()]
     }
 
-    fn phong(&self, _appearance: &Appearance, _at: &TextureContext) -> Phong {
-        self.constant
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
+        let here = || Phong::matte(self.brdf.albedo(1.0), self.scale.at(appearance.textures.evaluator(at)));
+        self.constant.unwrap_or_else(here)
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&self.constant)
+        self.constant.as_ref()
     }
 
     fn needs_uv(&self, _appearance: &Appearance) -> bool {
-        self.brdf.is_anisotropic()
+        self.brdf.is_anisotropic() || self.scale.varies()
     }
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
@@ -64,8 +70,9 @@ impl Material for MeasuredMaterial {
         self.brdf.is_anisotropic()
     }
 
-    fn bsdf<'a>(&'a self, _appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let lanes = self.brdf.lanes(at.wavelengths);
-        Bsdf::Measured(MeasuredLobe { brdf: &self.brdf, scale: self.scale, lanes })
+        let scale = self.scale.at(appearance.textures.evaluator(at.context));
+        Bsdf::Measured(MeasuredLobe { brdf: &self.brdf, scale, lanes })
     }
 }

@@ -3,10 +3,11 @@
 use kajo_math::Vec2;
 
 use crate::compile::extras::ExtraKeys;
-use crate::compile::fields::{At, FileName, Keys, at_least, choice, choices, file, keys, pair};
+use crate::compile::fields::{At, FileName, Keys, choice, choices, file, float_texture, keys, pair};
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{BtfMaterial, BtfSettings};
 use crate::schema::{Block, Kind};
+use crate::texture::FloatTexture;
 
 /// What is shown where a sample covers more than a texel.
 #[derive(Clone, Copy)]
@@ -22,7 +23,7 @@ choices! {
 keys! {
     BtfKeys<'t> {
         file: At<'t, FileName> = file("file").placed().required("a BTF, as `kajo btf` makes them"),
-        scale: f32 = at_least("scale", 0.0).or(1.0, "a factor of all that it reflects"),
+        scale: FloatTexture = float_texture("scale", 0.0, f64::MAX).or(1.0, "a factor of all that it reflects"),
         repeat: Vec2 = pair("repeat").or([1.0, 1.0], "how often it fits into the unit square"),
         offset: Vec2 = pair("offset").or([0.0, 0.0], "by how much of itself it is moved, to the left and down"),
         filter: Filtered = choice::<Filtered>("filter")

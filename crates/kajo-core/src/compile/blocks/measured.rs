@@ -1,7 +1,7 @@
 //! `Measured`: a BRDF by tables, of the data bases of MERL and RGL.
 
 use crate::compile::extras::ExtraKeys;
-use crate::compile::fields::{At, FileName, Keys, at_least, file, keys};
+use crate::compile::fields::{At, FileName, Keys, file, float_texture, keys};
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::MeasuredMaterial;
 use crate::schema::{Block, Kind};
@@ -12,7 +12,7 @@ use super::metal::ROTATION;
 keys! {
     MeasuredKeys<'t> {
         file: At<'t, FileName> = file("file").placed().required("a table of MERL (.binary) or of RGL (.bsdf)"),
-        scale: f32 = at_least("scale", 0.0).or(1.0, "a factor of all that it reflects"),
+        scale: FloatTexture = float_texture("scale", 0.0, f64::MAX).or(1.0, "a factor of all that it reflects"),
         rotation: FloatTexture = ROTATION,
     }
 }

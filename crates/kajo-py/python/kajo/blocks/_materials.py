@@ -462,7 +462,7 @@ class BTF(MaterialBlock):
 
     Args:
         file: a BTF, as `kajo btf` makes them (file).
-        scale: a factor of all that it reflects (number ≥ 0). Default: 1.
+        scale: a factor of all that it reflects (number ≥ 0, or a texture). Default: 1.
         repeat: how often it fits into the unit square (2 numbers). Default: 1 1.
         offset: by how much of itself it is moved, to the left and down (2 numbers). Default: 0
             0.
@@ -485,7 +485,7 @@ class BTF(MaterialBlock):
     def __init__(
         self, *children: Item, name: str | None = None,
         file: File,
-        scale: Number | None = None,
+        scale: Number | Texture | None = None,
         repeat: Number | Vector | None = None,
         offset: Number | Vector | None = None,
         filter: Literal["linear", "trilinear"] | None = None,
@@ -515,7 +515,7 @@ class Measured(MaterialBlock):
 
     Args:
         file: a table of MERL (.binary) or of RGL (.bsdf) (file).
-        scale: a factor of all that it reflects (number ≥ 0). Default: 1.
+        scale: a factor of all that it reflects (number ≥ 0, or a texture). Default: 1.
         rotation: by how many full turns the brushing is turned (number from 0 to 1, turns, or a
             texture). Default: 0.
         emission: light that it gives itself (r g b, or another light value, W/(m² sr), or a
@@ -535,7 +535,7 @@ class Measured(MaterialBlock):
     def __init__(
         self, *children: Item, name: str | None = None,
         file: File,
-        scale: Number | None = None,
+        scale: Number | Texture | None = None,
         rotation: Number | Texture | None = None,
         emission: Emission | Texture | None = None,
         emits: Literal["back", "both", "front"] | None = None,
