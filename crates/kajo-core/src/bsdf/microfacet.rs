@@ -79,6 +79,8 @@ impl Microfacets {
     }
 
     /// Density `D(m)` of facets with unit normal `m`: projected on the surface they cover it once, `∫ D(m) mz dm = 1`.
+    ///
+    /// Of GGX off by at most 1e-6 of itself.
     #[inline]
     pub fn d(&self, m: Vec3) -> f32 {
         // Nearer to the surface nothing is left of a lobe but trouble with small numbers.
@@ -124,7 +126,7 @@ impl Microfacets {
         }
     }
 
-    /// Share of the facets turned to `w` that `w` sees.
+    /// Share of the facets turned to `w` that `w` sees; of GGX off by at most 4e-7 of itself.
     #[inline]
     pub fn g1(&self, w: Vec3) -> f32 {
         1.0 / (1.0 + self.lambda(w))
@@ -163,6 +165,9 @@ impl Microfacets {
     }
 
     /// A normal as seen from `w`, `w.z > 0`, for `u` uniform in [0, 1)²; its density is [`visible`](Self::visible).
+    ///
+    /// Of GGX off by at most 1e-3: at the pole of a hemisphere, where heights that single precision tells apart are so far from each
+    /// other; elsewhere by some 1e-7.
     #[inline]
     pub fn sample(&self, w: Vec3, u: Vec2) -> Vec3 {
         let stretched = Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z).normalize();

@@ -65,6 +65,7 @@ impl OrenNayar {
         self.reflectance.map(|rho| rho * rho * average / (lost * (1.0 - rho * lost)))
     }
 
+    /// The value and the cosine of `wi`, off by at most 1e-6.
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Spectrum {
         if !same_side(wo, wi) {
             return Spectrum::BLACK;

@@ -1,5 +1,6 @@
 //! What every lobe must hold, from one list.
 
+mod accuracy;
 mod brushed_clear;
 mod brushed_metal;
 mod laws;
