@@ -41,6 +41,11 @@ impl Image {
     }
 
     #[getter]
+    fn r_hat(&self) -> Option<f64> {
+        self.picture.r_hat()
+    }
+
+    #[getter]
     fn rays(&self) -> u64 {
         self.picture.stats.rays.total()
     }

@@ -110,6 +110,15 @@ def test_what_makes_no_sense_is_refused(scene, settings, error):
         scene.render(**settings)
 
 
+def test_chains_say_whether_they_agree(scene):
+    def r_hat(integrator, samples):
+        return scene.render(size=(24, 20), samples=("sobol", samples), integrator=integrator).r_hat
+
+    assert r_hat("path", 4) is None
+    assert r_hat("mlt", 1) == float("inf")
+    assert 0.99 < r_hat("mmlt", 256) < 1.05 < r_hat("mmlt", 2)
+
+
 def test_files_come_from_memory():
     text = SCENE.replace("Lights {", 'include "more.txt"  Lights {')
     with pytest.raises(kajo.SceneError):

@@ -298,6 +298,34 @@ fn settings_change_what_is_traced() {
     assert_eq!(window.studio().options.asked, kajo::Settings::default());
 }
 
+/// One chain has nothing to agree with, many of a plain scene do, and paths are no chains.
+#[test]
+fn the_bottom_line_says_whether_chains_agree() {
+    let mut window = Window::new();
+    window.studio().options.habits.size = PictureSize::Fixed([24, 20]);
+    window.studio().options.habits.progressive = false;
+    for (integrator, samples, expected) in [
+        ("path", 1, None),
+        ("mmlt", 1, Some("chains disagree, R-hat above 10")),
+        ("mmlt", 256, Some("chains agree, R-hat 1.0")),
+    ] {
+        window.studio().options.asked.integrator = Some(IntegratorName(integrator));
+        window.studio().options.asked.samples = Some((SamplerKind::Sobol, samples));
+        window.key(Key::Enter);
+        window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
+        window.frames(2);
+        let frame = window.studio().tracer.frame().unwrap();
+        assert_eq!((frame.samples(), frame.r_hat().is_some()), (samples, expected.is_some()));
+        let shown = window.harness.query_by_label_contains(expected.unwrap_or("R-hat"));
+        assert_eq!(
+            shown.is_some(),
+            expected.is_some(),
+            "{integrator}, {samples} samples: {:?}",
+            frame.r_hat()
+        );
+    }
+}
+
 #[test]
 fn layers_histogram_and_pixel_are_shown() {
     let mut window = Window::new();

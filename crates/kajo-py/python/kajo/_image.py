@@ -46,6 +46,14 @@ class Image:
         return self._native.noise
 
     @property
+    def r_hat(self) -> float | None:
+        """R-hat of groups of Markov chains: above 1.05 they do not agree, and the picture needs more samples.
+
+        Infinite for a single chain, which has nothing to be compared with. None without chains.
+        """
+        return self._native.r_hat
+
+    @property
     def rays(self) -> int:
         """Rays that were cast."""
         return self._native.rays

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use egui::{Align, Id, Label, Layout, RichText, Ui};
+use kajo::LARGEST_R_HAT;
 use kajo::session::Status;
 
 use super::theme;
@@ -62,6 +63,9 @@ fn trace(ui: &mut Ui, studio: &Studio) {
         in_short(frame.rays_per_second()),
         stats.seconds
     );
+    if let Some(r_hat) = frame.r_hat().filter(|_| frame.samples() > 0) {
+        chains(ui, r_hat);
+    }
     match studio.tracer.status() {
         Status::Running { progress } => {
             ui.add(
@@ -83,6 +87,23 @@ fn trace(ui: &mut Ui, studio: &Studio) {
             ui.label(format!("{text}{seen}"));
         }
     }
+}
+
+/// Whether groups of Markov chains agree.
+fn chains(ui: &mut Ui, r_hat: f64) {
+    let agree = r_hat <= LARGEST_R_HAT;
+    let color = if agree { theme::quiet(ui) } else { theme::warning(ui) };
+    ui.label(RichText::new(of_chains(r_hat)).color(color)).on_hover_text(
+        "How far groups of Markov chains differ in where they find light: 1 is not at all. Above 1.05 parts of the picture may be \
+         too bright or too dark, even where it looks clean; more samples help.",
+    );
+    ui.separator();
+}
+
+fn of_chains(r_hat: f64) -> String {
+    let verdict = if r_hat <= LARGEST_R_HAT { "chains agree" } else { "chains disagree" };
+    let figures = if r_hat > 10.0 { "above 10".to_owned() } else { format!("{r_hat:.3}") };
+    format!("{verdict}, R-hat {figures}")
 }
 
 fn samples(count: u32) -> String {
@@ -111,6 +132,10 @@ mod tests {
     fn numbers_are_short() {
         let words: Vec<String> = [999.0, 12_345.0, 5.67e6, 2.1e9].map(in_short).to_vec();
         assert_eq!(words, ["999", "12.3 k", "5.7 M", "2.1 G"]);
+        let of_chains: Vec<String> = [1.004, 1.06, f64::INFINITY].map(of_chains).to_vec();
+        let expected =
+            ["chains agree, R-hat 1.004", "chains disagree, R-hat 1.060", "chains disagree, R-hat above 10"];
+        assert_eq!(of_chains, expected);
         assert_eq!([0, 1, 16].map(samples), ["coarse", "1 sample", "16 samples"]);
     }
 }

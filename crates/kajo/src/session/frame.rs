@@ -18,6 +18,7 @@ pub struct Frame {
     film: Arc<Film>,
     groups: Arc<[String]>,
     light: Image,
+    r_hat: Option<f64>,
     settings: RenderSettings,
     full_size: [u32; 2],
     samples: u32,
@@ -36,7 +37,8 @@ impl Frame {
         stats: RenderStats,
     ) -> Option<Frame> {
         let light = film.develop(Layer::Color)?;
-        Some(Frame { job, film, groups, light, settings, full_size, samples, stats })
+        let r_hat = film.r_hat();
+        Some(Frame { job, film, groups, light, r_hat, settings, full_size, samples, stats })
     }
 
     /// The number of the job it belongs to; see [`super::Session::start`].
@@ -78,6 +80,11 @@ impl Frame {
     /// Estimated relative error of the light over the whole picture, where [`View::Variance`] was asked for.
     pub fn noise(&self) -> Option<f64> {
         self.film.noise()
+    }
+
+    /// How far groups of Markov chains are from agreeing, where there are any; see [`Picture::r_hat`](crate::Picture::r_hat).
+    pub fn r_hat(&self) -> Option<f64> {
+        self.r_hat
     }
 
     /// How it was rendered.
