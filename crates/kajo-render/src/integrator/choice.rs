@@ -1,8 +1,8 @@
 //! `integrator auto`: which integrator suits a scene, and why.
 //!
-//! Where only one integrator carries what is in the scene, it is that one. Otherwise two short trials decide, of a few
+//! Where only one integrator carries what is in the scene, it is that one. Otherwise short trials decide, of a few
 //! thousand paths each: one sends light out and counts how much of it reaches a matt surface by way of mirrors and glass, a
-//! caustic; the other renders a small picture with and without light that surfaces send to one another. Numbers are drawn
+//! caustic, and where there is any, small pictures show whether [merging](super::hidden_light) finds light that nothing else does; the other renders a small picture with and without light that surfaces send to one another. Numbers are drawn
 //! from a seed of their own, so the choice is a function of the scene, the same on all machines.
 
 use kajo_color::Wavelengths;
@@ -13,7 +13,7 @@ use kajo_core::settings::IntegratorName;
 use kajo_math::Vec2;
 
 use super::photon::emission::{Emission, PhotonRequest, Wanted};
-use super::{IntegratorSpec, NAMES, Path, PathSettings, bidir, classic, path};
+use super::{IntegratorSpec, NAMES, Path, PathSettings, bidir, classic, hidden_light, path, vcm};
 use crate::{Layer, LayerSet, PixelIntegrator, SampleContext, Setup, Silent};
 
 /// What stands for an integrator that is chosen by the scene.
@@ -47,6 +47,8 @@ const PICTURE: ([u32; 2], u32) = ([24, 16], 8);
 const CAUSTIC: f32 = 0.03;
 /// The same where lights have no extent, so that such paths cannot find it at all.
 const CAUSTIC_OF_POINTS: f32 = 0.002;
+/// Light above this share that merged paths find alone is worth what they cost.
+const HIDDEN: f32 = 0.01;
 /// Where lights shine on less than this share of what is seen, paths from lights find more of it.
 const LIT: f32 = 0.1;
 
@@ -75,6 +77,12 @@ fn try_out(scene: &Scene) -> Choice {
         return of(&path::PATH, "nothing in it gives light");
     }
     let caustics = caustics(scene);
+    if caustics > 0.0 && hidden_light::share(scene) > HIDDEN {
+        return of(
+            &vcm::VCM,
+            "light that comes by mirrors or glass is seen by way of these again, which merged paths alone find",
+        );
+    }
     if has_points(scene) && caustics > CAUSTIC_OF_POINTS {
         return of(
             &bidir::BIDIRECTIONAL,

@@ -9,6 +9,7 @@ use super::{CHOICES, IntegratorSpec, choose};
 const MATERIALS: &str = "Materials {
     Matte white { color 0.7 0.7 0.7 }
     Glass glass { indexOfRefraction 1.5 }
+    Metal mirror { metal silver }
     Matte bright { color 0 0 0  emission 20 20 20 }
     Matte dim { color 0 0 0  emission 2 2 2 }
 }";
@@ -52,10 +53,25 @@ fn light_of_points_through_glass_is_for_both_ends() {
     check(point, BALL, "bidirectional", "from points");
 }
 
+/// The caustic of a ball on the floor, seen from above and, but for a rim, in a mirror; and the same floor in the mirror without the ball.
 #[test]
-fn a_light_in_glass_is_for_both_ends() {
+fn caustics_in_a_mirror_are_for_merging() {
+    let point = "Lights { PointLight { position 0 4 0  intensity 9 9 9 } }";
+    let mirror = "MaterialIndex mirror  Quad { corner -4 -1 -2  edge1 8 0 0  edge2 0 6 0 }
+        MaterialIndex white  Quad { corner -4 -1 2.5  edge1 8 0 0  edge2 0 1.2 0 }";
+    check(point, &format!("{BALL} {mirror}"), "vcm", "merged paths alone");
+    check(point, BALL, "bidirectional", "from points");
+    check("Background { color 1 1 1 }", &format!("{BALL} {mirror}"), "path", "all around");
+}
+
+#[test]
+fn a_light_before_a_mirror_is_for_both_ends_and_one_in_glass_for_merging() {
+    let emitter = "MaterialIndex bright  Quad { corner -0.5 4 -0.5  edge1 1 0 0  edge2 0 0 1 }
+        MaterialIndex mirror  Quad { corner -2 5 -2  edge1 4 0 0  edge2 0 0 4 }";
+    check("", emitter, "bidirectional", "much of its light");
+    // What the ball shows of the floor is lit through it.
     let bulb = format!("{BALL}  MaterialIndex bright  Sphere {{ center 0 0 0  radius 0.2 }}");
-    check("", &bulb, "bidirectional", "much of its light");
+    check("", &bulb, "vcm", "merged paths alone");
     check(
         "",
         "MaterialIndex bright  Sphere { center 0 0 0  radius 0.2 }",

@@ -9,6 +9,7 @@ pub mod bidir;
 mod camera_view;
 mod choice;
 pub mod classic;
+mod hidden_light;
 pub mod irradiance;
 pub mod metropolis;
 pub mod path;

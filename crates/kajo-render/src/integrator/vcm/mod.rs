@@ -59,7 +59,7 @@ struct Merged<'m, 'a, V> {
 }
 
 /// The integrator for a scene: with media where it has any.
-fn integrator_of<'a>(
+pub(super) fn integrator_of<'a>(
     camera: &'a Camera,
     scene: &'a Scene,
     settings: VertexMergingSettings,
