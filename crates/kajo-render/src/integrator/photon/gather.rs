@@ -23,6 +23,8 @@
 //!
 //! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid angle, with the power heuristic;
 //! light of one kind is taken either from a map or from these.
+//!
+//! No photon leaves a medium that emits. Where there is one, paths go on from vertices whose other light was taken from a map, and add what media emit on their way alone.
 
 use std::f32::consts::PI;
 
@@ -65,6 +67,8 @@ pub struct Gatherer<'a, O> {
     on_beam: bool,
     /// That ray, where light was drawn for a point along it.
     along: Option<EquiangularRay>,
+    /// Whether the path goes on for the light that media emit alone.
+    for_media: bool,
 }
 
 /// The last vertex that is not specular.
@@ -115,6 +119,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             scratch,
             on_beam: false,
             along: None,
+            for_media: false,
         }
     }
 
@@ -130,7 +135,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let mut length = 0.0;
         loop {
             let event = match &self.photons.maps {
-                Maps::Progressive { in_media, radius, .. } if V::HAS_MEDIA => {
+                Maps::Progressive { in_media, radius, .. } if V::HAS_MEDIA && !self.for_media => {
                     self.advance_with_beams(&mut path.state, &mut surface, in_media, radius, length)
                 }
                 _ => advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer),
@@ -141,6 +146,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             let is_last = path.state.scatterings > bounces;
             match event {
                 Event::Surface => {}
+                Event::Escaped(_) if self.for_media => return,
                 Event::Escaped(d) => return self.add_background(&path.state, d, from.as_ref()),
                 Event::Medium(at) if V::HAS_MEDIA => {
                     length += at.length;
@@ -153,7 +159,9 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
                 Event::Medium(_) | Event::Absorbed => return,
             }
             length += surface.length;
-            self.add_emission(&path.state, &surface, from.as_ref());
+            if !self.for_media {
+                self.add_emission(&path.state, &surface, from.as_ref());
+            }
             if is_last && !scene.appearance.has_passages {
                 return;
             }
@@ -258,7 +266,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         from: &mut Option<From>,
     ) -> bool {
         let roulette = self.photons.settings.roulette;
-        if z.bsdf.is_delta() {
+        if z.bsdf.is_delta() || self.for_media {
             return path.scatter(z, surface, roulette, self.observer);
         }
         if self.albedo.is_none() && self.photons.view.wants_albedo() {
@@ -288,7 +296,13 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             let has_caustics = role == Role::DirectAndCaustics;
             *from = Some(From { receiver, pdf: path.last.pdf, has_caustics });
         }
-        role.goes_on() || is_mirrored
+        role.goes_on() || is_mirrored || self.goes_on_for_media()
+    }
+
+    /// Whether a path goes on whose other light was taken from a map; it does so for the light of media that emit.
+    fn goes_on_for_media(&mut self) -> bool {
+        self.for_media = self.photons.has_emissive_media;
+        self.for_media
     }
 
     /// The same in a medium.
@@ -306,6 +320,9 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let photons = self.photons;
         let z = path.vertex_in_medium::<V>(self.scene(), at, LightGroup::default());
+        if self.for_media {
+            return path.scatter_in_medium(&z, at, photons.settings.roulette, self.observer);
+        }
         let role = match &photons.maps {
             _ if at.is_subsurface => Role::Direct,
             Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::FromMap,
@@ -325,7 +342,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             }
             Maps::Fixed { in_media, .. } => self.add_nearest_in_ball(&path.state, &z, in_media),
         }
-        if !role.goes_on() {
+        if !role.goes_on() && !self.goes_on_for_media() {
             return false;
         }
         let receiver = z.receiver(at.time);

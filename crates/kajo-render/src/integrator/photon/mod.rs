@@ -93,6 +93,8 @@ pub struct Photons<'a> {
     maps: Maps,
     /// What all photons carry.
     wavelengths: Wavelengths,
+    /// Whether any medium emits, which no photon leaves.
+    has_emissive_media: bool,
 }
 
 /// The maps, and how they are looked at.
@@ -254,7 +256,10 @@ impl Integrator for PhotonMapping<'_> {
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         let wavelengths = self.view.wavelengths_of_pass(setup.seed ^ WAVELENGTH_SALT, k);
         let (maps, rays, notes) = self.maps(k, &wavelengths, setup)?;
-        let integrator = Photons { view: &self.view, settings: self.settings, maps, wavelengths };
+        let media = &self.view.scene.appearance.media;
+        let has_emissive_media = media.ids().any(|medium| media.coefficients(medium).emits());
+        let integrator =
+            Photons { view: &self.view, settings: self.settings, maps, wavelengths, has_emissive_media };
         Ok(WithState { integrator: Box::new(integrator), rays, notes })
     }
 }

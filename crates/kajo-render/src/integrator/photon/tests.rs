@@ -238,6 +238,25 @@ fn fog_without_absorption_leaves_an_emissive_room_as_bright_as_it_was() {
     }
 }
 
+/// Fog as hot as the walls of a room that all emit alike is not seen: what it absorbs it emits, and that is scattered and comes back from the walls too.
+#[test]
+fn fog_as_hot_as_its_room_is_not_seen() {
+    let media = [
+        "Medium fog { sigma_s 1.5 0.5 1  sigma_a 0.7  emission 1.4 1.4 1.4  g 0.3 }",
+        "FunctionMedium fog { function = 1 + x * y  sigma_s 1 1.5 0.5  sigma_a 0.7  emission 1.4 1.4 1.4 }",
+    ];
+    for medium in media {
+        let text = format!(
+            "{} Media {{ {medium}  exterior fog }} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
+             Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+            camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0)
+        );
+        for usage in USES {
+            check(&scene(&text), with(usage, 8_000), 64, 2.0, 6e-3);
+        }
+    }
+}
+
 /// A small light in thin fog: points drawn along rays, collisions and photons together find what paths find, with little noise.
 #[test]
 fn a_small_light_in_fog_is_as_bright_as_paths_find_it() {
