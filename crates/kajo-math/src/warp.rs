@@ -1,7 +1,7 @@
 //! Maps of uniform numbers to other distributions.
 //!
 //! They are as exact as single precision can be: of spheres, hemispheres and cones the coordinate along the axis is off by at most 1e-7,
-//! the squared distance from it by 2e-7 and the angle around it by 1e-6; of a cone that distance by 1e-6 of itself. Points of a disk are off by 5e-7, and
+//! the squared distance from it by 3e-7 and the angle around it by 1e-6; of a cone that distance by 1e-6 of itself. Points of a disk are off by 5e-7, and
 //! the squared heights of a hemisphere over it by 5e-7.
 
 use crate::{Vec2, Vec3, fmath};
@@ -104,7 +104,7 @@ mod tests {
                 assert!((f64::from(w.z) - z).abs() < 1e-7, "{u}: {w}");
                 let [a, b] = across(w);
                 let squared = a * a + b * b;
-                assert!((squared - (1.0 - z * z)).abs() < 2e-7, "{u}: {w}");
+                assert!((squared - (1.0 - z * z)).abs() < 3e-7, "{u}: {w}");
                 let angle = a * around[1] - b * around[0];
                 assert!(angle.abs() <= 1e-6 * squared.sqrt(), "{u}: {w}");
             }
