@@ -53,6 +53,8 @@ pub(super) struct LightCluster {
     sin_spread: f32,
     cos_reach: f32,
     two_sided: bool,
+    /// Cosine of the sum of both angles, where light goes to one side and stays before a plane.
+    cos_cone: Option<f32>,
     power: f32,
 }
 
@@ -60,20 +62,12 @@ pub(super) struct LightCluster {
 pub(super) trait LightQuery {
     /// What is expected of the light of a cluster, up to a factor that is the same for all clusters; 0 where nothing can arrive.
     fn importance(&self, cluster: &LightCluster) -> f32;
-
-    /// The point for which is asked what is known to arrive.
-    fn position(&self) -> Vec3;
 }
 
 impl LightQuery for Receiver {
     #[inline]
     fn importance(&self, cluster: &LightCluster) -> f32 {
         cluster.importance(self.p, self.n)
-    }
-
-    #[inline]
-    fn position(&self) -> Vec3 {
-        self.p
     }
 }
 
@@ -83,10 +77,6 @@ impl LightQuery for RaySegment {
         let radius = cluster.variance.sqrt();
         let part = self.seen_from(cluster.mean, radius, cluster.cone().as_ref());
         part.map_or(0.0, |part| (cluster.power * part.scattered(self.extinction)).min(MOST_POWER))
-    }
-
-    fn position(&self) -> Vec3 {
-        self.middle()
     }
 }
 
@@ -146,6 +136,7 @@ impl LightCluster {
             sin_spread: sine(bounds.cos_spread),
             cos_reach: bounds.cos_reach,
             two_sided: bounds.two_sided,
+            cos_cone: cos_cone(bounds),
             power: bounds.power.min(MOST_POWER),
         }
     }
@@ -184,16 +175,8 @@ impl LightCluster {
 
     /// Where light goes, if all of it stays on one side of a plane.
     fn cone(&self) -> Option<LightCone> {
-        let sin_reach = sine(self.cos_reach);
-        let cos = self.cos_spread * self.cos_reach - self.sin_spread * sin_reach;
-        // Of two angles below 180 degrees.
-        let is_narrow = !self.two_sided && self.cos_reach >= 0.0 && self.cos_spread >= 0.0 && cos >= 0.0;
-        is_narrow.then(|| LightCone {
-            center: self.center,
-            radius: self.radius2.sqrt(),
-            axis: self.axis,
-            cos,
-        })
+        let cone = |cos| LightCone { center: self.center, radius: self.radius2.sqrt(), axis: self.axis, cos };
+        self.cos_cone.map(cone)
     }
 
     /// A bound on the cosine between the axes and ways to a receiver; `None` where no light can go there.
@@ -216,6 +199,14 @@ impl LightCluster {
         // A hair of tolerance: a light must not be ruled out by rounding.
         (cos_leaving >= self.cos_reach - 1e-4).then_some(cos_leaving.max(1e-4))
     }
+}
+
+/// The cosine of the largest angle between the middle of the axes and light that leaves; `None` where that is more than a right angle.
+fn cos_cone(bounds: &LightBounds) -> Option<f32> {
+    let LightBounds { cos_spread, cos_reach, two_sided, .. } = *bounds;
+    let cos = cos_spread * cos_reach - sine(cos_spread) * sine(cos_reach);
+    // Of two angles below 180 degrees.
+    (!two_sided && cos_spread >= 0.0 && cos_reach >= 0.0 && cos >= 0.0).then_some(cos)
 }
 
 /// The mean of the positive part of what is uniform about a mean with a variance.

@@ -3,7 +3,6 @@
 use kajo_color::Wavelengths;
 use kajo_math::Vec3;
 
-use super::cluster::LightQuery;
 use super::infinite::InfiniteLights;
 use super::segment::{AngularSpan, RaySegment};
 use super::tree::FirstStep;
@@ -230,7 +229,7 @@ impl LightSampler {
             LightSelection::Tree => self.tree.sample_along(segment, u),
             LightSelection::Uniform => self.sample_uniform(u),
             LightSelection::Learned(visibility) => {
-                let known = visibility.region(segment.position());
+                let known = visibility.region(segment.middle());
                 let step = self.tree.first_step(segment);
                 self.tree.sample_learned(segment, &step, u, &known, Mixture::START)
             }
@@ -251,7 +250,7 @@ impl LightSampler {
             LightSelection::Tree => self.tree.pmf_along(light, segment),
             LightSelection::Uniform => self.pmf_uniform(),
             LightSelection::Learned(visibility) => {
-                let known = visibility.region(segment.position());
+                let known = visibility.region(segment.middle());
                 let step = self.tree.first_step(segment);
                 self.tree.pmf_learned(light, segment, &step, &known, Mixture::START)
             }

@@ -7,14 +7,14 @@
 
 use kajo_color::Wavelengths;
 use kajo_core::light::{LightId, PowerLightSampler};
-use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_core::settings::IntegratorName;
-use kajo_math::Vec2;
 
 use super::photon::emission::{Emission, PhotonRequest, Wanted};
-use super::{IntegratorSpec, NAMES, Path, PathSettings, bidir, classic, hidden_light, path, vcm};
-use crate::{Layer, LayerSet, PixelIntegrator, SampleContext, Setup, Silent};
+use super::{
+    IntegratorSpec, NAMES, Path, PathSettings, bidir, classic, hidden_light, path, small_picture, vcm,
+};
+use crate::{Layer, LayerSet, Setup, Silent};
 
 /// What stands for an integrator that is chosen by the scene.
 pub const AUTO: IntegratorName = IntegratorName("auto");
@@ -150,29 +150,11 @@ fn lit(scene: &Scene) -> f32 {
     let direct = PathSettings { only_mirrors: true, roulette: false, ..PathSettings::default() };
     let all = PathSettings { bounces: 4, ..PathSettings::default() };
     let [direct, all] = [direct, all].map(|settings| {
-        brightness(
-            &Path::through(camera, scene, settings, size, LayerSet::of(&[Layer::Color])),
-            size,
-            samples,
-        )
+        let path = Path::through(camera, scene, settings, size, LayerSet::of(&[Layer::Color]));
+        small_picture::brightness(&path, size, samples)
     });
     let mut shares: Vec<f32> =
         direct.iter().zip(&all).filter(|(_, all)| **all > 0.0).map(|(direct, all)| direct / all).collect();
     shares.sort_by(f32::total_cmp);
     shares.get(shares.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// The brightness of each pixel.
-fn brightness(integrator: &dyn PixelIntegrator, size: [u32; 2], samples: u32) -> Vec<f32> {
-    let sampler = Sampler::new(SamplerKind::Sobol, samples);
-    let mut ctx = SampleContext::new(&sampler, 0);
-    let mut sum = |pixel: [u32; 2]| -> f32 {
-        let of_sample = |index| {
-            let offset = ctx.begin(pixel, index);
-            let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + offset;
-            integrator.sample(&mut ctx, pixel, raster).radiance.iter().sum::<f32>()
-        };
-        (0..samples).map(of_sample).sum()
-    };
-    (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y])).map(&mut sum).collect()
 }

@@ -17,6 +17,7 @@ pub mod photon;
 mod photon_map;
 mod scatterings;
 mod shadow;
+mod small_picture;
 mod spec;
 mod transport;
 pub mod vcm;

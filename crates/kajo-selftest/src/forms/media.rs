@@ -43,7 +43,10 @@ const DRAWN: &[Method] = &[PATH, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPE
 const WIDE: &[Method] = &[PATH, BIDIRECTIONAL, LIGHT];
 
 /// The same by chains, which find one kind of light soonest.
-const CHAINS: &[Method] = &[MLT, MMLT];
+const CHAINS: &[Method] = &[MLT];
+
+/// By chains for each length, which are to be few.
+const CHAINS_OF_LENGTHS: &[Method] = &[MMLT];
 
 /// By photons, and by what joins paths where photons would be.
 const PHOTONS_AND_JOINTS: &[Method] = &[SPPM, VCM];
@@ -80,9 +83,9 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         format!("FunctionMedium m {{ function = cos({r} * x) + z  sigma_s {s} {r} 2  phase rayleigh }}");
     forms.push(white(draw, "a function", 1.0, &function, CUBE));
     forms.push(white(draw, "glass", 1.4, &format!("Medium m {{ density {r} g {g} }}"), BALL));
-    forms.push(wide(draw, "a ball seen from afar", WIDE));
-    // Next to no path is scattered more often, and each length has chains of its own.
-    forms.push(wide(draw, "a ball by chains", CHAINS).bounces(32).least_noise(STARTS));
+    forms.extend([wide(draw, "a ball seen from afar", WIDE), wide(draw, "a ball by chains", CHAINS)]);
+    // Next to no path is scattered more often.
+    forms.push(wide(draw, "a ball by chains of lengths", CHAINS_OF_LENGTHS).bounces(32).least_noise(STARTS));
     // All pixels share the photons of a sample.
     forms.push(wide(draw, "a ball by photons", PHOTONS_AND_JOINTS).rounding(BORDER).size([64, 64]));
     forms.extend([within(draw, DRAWN), within(draw, SEEN).rounding(BLUR).least_noise(OF_ONE_MAP)]);

@@ -28,7 +28,7 @@ use super::estimate::Estimate;
 use super::method::Method;
 use super::parameters::Parameters;
 
-/// The least standard error of a mean of pictures by chains, as a share of it: each of these is as bright as its start samples, whose mean is known to a hundredth.
+/// The least standard error of a mean of pictures by chains for each length, as a share of it: each picture begins with many samples of each length.
 const STARTS: f64 = 2.5e-3;
 
 /// A scene whose light has a closed form.

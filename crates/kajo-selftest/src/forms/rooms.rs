@@ -68,11 +68,11 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let by_chains = |form: Form, methods| Form {
         name: format!("{}, by chains", form.name),
         methods,
-        ..form.size([32, 32]).least_noise(STARTS)
+        ..form.size([32, 32])
     };
     forms.push(by_chains(room, CHAINS));
     forms.push(by_chains(light_in_ball(draw, CHAINS, true), CHAINS));
-    forms.push(by_chains(emissive(draw, &ROOMS[2], Some(2)), CHAINS_OF_LENGTHS));
+    forms.push(by_chains(emissive(draw, &ROOMS[2], Some(2)), CHAINS_OF_LENGTHS).least_noise(STARTS));
     forms
 }
 

@@ -20,8 +20,8 @@ const PILOT: u32 = 64;
 /// The share of all samples that a pilot has, and of samples that are shared out evenly.
 const SHARE: f64 = 0.125;
 
-/// The standard error of the brightness that is aimed at, as a share of it.
-const TARGET: f64 = super::UNSURE / 2.0;
+/// The standard error of the brightness that is aimed at, as a share of it: a quarter of a percent.
+const TARGET: f64 = super::UNSURE / 8.0;
 
 /// Number, sum and sum of squares of the importances of a class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -326,8 +326,9 @@ impl Spreads {
 fn samples_are_allotted_by_the_spread_of_each_class() {
     let classes = Spreads(vec![0.0, 1.0, 2.0, 5.0]);
     let share = [0.0, 0.125, 0.25, 0.625].map(|share| 0.125 / 4.0 + 0.875 * share);
-    let all = (2.0 / 3.0 / (UNSURE / 2.0)).powi(2);
-    for (limits, expected) in [([100, u32::MAX], all), ([100, 3000], 3000.0), ([20_000, 300_000], 20_000.0)] {
+    let all = (2.0 / 3.0 / (UNSURE / 8.0)).powi(2);
+    for (limits, expected) in [([100, u32::MAX], all), ([100, 3000], 3000.0), ([200_000, 300_000], 200_000.0)]
+    {
         let (numbers, pilot) = classes.numbers(limits);
         for (&n, share) in numbers.iter().zip(share) {
             let wanted = share * expected;
@@ -339,11 +340,11 @@ fn samples_are_allotted_by_the_spread_of_each_class() {
     assert_eq!(Spreads(vec![-1.0; 3]).numbers([9, 300]).0, [100; 3]);
 }
 
-/// An easy room begins with few samples, whose numbers no thread changes: an eightieth of what all lengths may have. Each part of the picture's samples has start samples of its own.
+/// An easy room begins with few samples, whose numbers no thread changes: over paths a thirtieth of what there may be, by lengths a sixth. Each part of the picture's samples has start samples of its own.
 #[test]
 fn easy_rooms_begin_with_few_samples() {
     let easy = scene(&emissive_sphere());
-    for (samples, most, factor) in [(OfBothEnds, 1 << 17, 25), (ByTechnique, 1 << 20, 80)] {
+    for (samples, most, factor) in [(OfBothEnds, 1 << 17, 25), (ByTechnique, 1 << 20, 5)] {
         let settings = MetropolisSettings { bounces: 16, samples, ..MetropolisSettings::default() };
         let it = Metropolis::new(&easy, settings, [640, 480], LayerSet::of(&[Layer::Color]));
         let find = |threads, k| it.starts(k, &Setup { threads, ..setup(3) }).unwrap();
@@ -351,7 +352,7 @@ fn easy_rooms_begin_with_few_samples() {
         assert!(one == two && one == seven, "{samples:?}");
         let (starts, rays) = one;
         assert!(rays.camera.max(starts.number() as u64) < most / factor, "{rays:?}");
-        assert!(starts.standard_error() < UNSURE * starts.brightness() && starts.notes().is_empty());
+        assert!(starts.standard_error() < 0.2 * UNSURE * starts.brightness() && starts.notes().is_empty());
         assert_ne!(starts.brightness(), find(1, 1).0.brightness());
         assert_eq!(PixelIntegrator::samples_per_state(&it), NonZeroU32::new(54).map(SamplesPerState::Count));
     }
