@@ -249,6 +249,31 @@ mod tests {
         assert!(inside > 2_000 && outside > 2_000, "{inside} {outside}");
     }
 
+    /// Rays along the axis, through the apex, along a side, and in the plane of what shines on one side of it.
+    #[test]
+    fn rays_that_touch_a_cone() {
+        let along = |o: Vec3, d: Vec3| RaySegment { o, d, length: f32::INFINITY, time: 0.0, extinction: 1.0 };
+        let cone = |cos| LightCone { center: Vec3::ZERO, radius: 0.0, axis: Vec3::NEG_Y, cos };
+        let within = |o, d, cos| along(o, d).within(&cone(cos));
+        let narrow = 0.6;
+        assert_eq!(within(Vec3::Y, Vec3::NEG_Y, narrow), Some([1.0, f32::INFINITY]));
+        assert_eq!(within(Vec3::NEG_Y, Vec3::Y, narrow), Some([0.0, 1.0]));
+        assert_eq!(within(Vec3::ZERO, Vec3::NEG_Y, narrow), Some([0.0, f32::INFINITY]));
+        assert_eq!(within(Vec3::NEG_X, Vec3::X, narrow), None);
+        assert_eq!(within(2.0 * Vec3::Y, Vec3::X, narrow), None);
+        for side in [Vec3::new(0.8, -0.6, 0.0), Vec3::new(-0.8, 0.6, 0.0)] {
+            let ends = within(-side, side, narrow);
+            assert!(ends.is_none_or(|[from, to]| from >= 0.0 && from < to), "{ends:?}");
+        }
+        for d in [Vec3::X, Vec3::Z] {
+            assert_eq!(within(Vec3::ZERO, d, 0.0), None, "in the plane");
+            assert_eq!(within(Vec3::NEG_Y, d, 0.0), Some([0.0, f32::INFINITY]), "before it");
+            assert_eq!(within(Vec3::Y, d, 0.0), None, "behind it");
+        }
+        // A cone without width has nothing in it.
+        assert_eq!(within(Vec3::Y, Vec3::X, 1.0), None);
+    }
+
     /// No point is left out that any point of a ball shines at.
     #[test]
     fn the_cone_around_a_ball_has_the_cones_of_its_points() {
