@@ -72,7 +72,7 @@ impl Phong {
     /// * `n`: unit normal on the side where the light is to count
     /// * `wo`, `wi`: unit directions to the viewer and to the light
     /// * `intensity`: light that arrives from `wi`
-    #[inline]
+    #[inline(always)]
     pub fn shade(&self, n: Vec3, wo: Vec3, wi: Vec3, intensity: Spectrum, highlight: Highlight) -> Spectrum {
         let cos_i = n.dot(wi);
         if cos_i.is_nan() || cos_i <= 0.0 {
@@ -91,6 +91,25 @@ impl Phong {
             reflected += self.specular * lobe;
         }
         intensity * reflected
+    }
+
+    /// The same where a relief tilts the diffuse part further than the highlight.
+    ///
+    /// * `n`: of the highlight
+    /// * `diffuse_n`: of the diffuse part
+    #[inline(never)]
+    pub fn shade_with_two_normals(
+        &self,
+        n: Vec3,
+        diffuse_n: Vec3,
+        wo: Vec3,
+        wi: Vec3,
+        intensity: Spectrum,
+        highlight: Highlight,
+    ) -> Spectrum {
+        let matt = Phong { specular: Spectrum::BLACK, ..*self };
+        let glossy = Phong { diffuse: Spectrum::BLACK, ..*self };
+        matt.shade(diffuse_n, wo, wi, intensity, highlight) + glossy.shade(n, wo, wi, intensity, highlight)
     }
 
     /// Every factor mixed with that of `other`: `(1 - t) self + t other`.

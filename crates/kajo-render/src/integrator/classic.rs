@@ -254,13 +254,10 @@ impl<'a> Classic<'a> {
         }
         let [n, diffuse_n] = [at.point.n, diffuse_n].map(|n| if from_behind { -n } else { n });
         let (wo, highlight) = (-ray.d, self.settings.highlight);
-        let scattered = |wi: Vec3, light: Spectrum| {
-            if diffuse_n == n {
-                return phong.shade(n, wo, wi, light, highlight);
-            }
-            let matt = Phong { specular: Spectrum::BLACK, ..*phong };
-            let glossy = Phong { diffuse: Spectrum::BLACK, ..*phong };
-            matt.shade(diffuse_n, wo, wi, light, highlight) + glossy.shade(n, wo, wi, light, highlight)
+        let has_two_normals = diffuse_n != n;
+        let scattered = |wi: Vec3, light: Spectrum| match has_two_normals {
+            false => phong.shade(n, wo, wi, light, highlight),
+            true => phong.shade_with_two_normals(n, diffuse_n, wo, wi, light, highlight),
         };
         for (number, &(id, factor)) in self.emitters.iter().enumerate() {
             let Illumination { wi, distance, intensity } =

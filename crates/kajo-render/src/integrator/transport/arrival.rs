@@ -16,7 +16,7 @@ pub struct TracedSegment {
 
 /// Fills in a [`SurfaceInteraction`] behind its hit (the number for a mixture, the interface) and multiplies `beta` by the absorption along the
 /// segment.
-#[inline]
+#[inline(always)]
 pub fn arrive(
     scene: &Scene,
     path: &mut PathState<'_>,

@@ -55,7 +55,7 @@ pub enum Event<'a> {
 /// In a body that bends light along a curve, whose change of frequency is applied as well.
 ///
 /// Random numbers: those of null and real collisions in participating media, then one where the material is a mixture.
-#[inline]
+#[inline(always)]
 pub fn extend<'a>(
     scene: &'a Scene,
     path: &mut PathState<'_>,
@@ -102,7 +102,7 @@ pub fn extend<'a>(
 /// Follows the path to the next surface that is there, [`extend`] and [`cross_hidden`] in turn.
 ///
 /// * `first`: filled with the first surface, there or not, if it is empty
-#[inline]
+#[inline(always)]
 pub fn advance<'a>(
     scene: &'a Scene,
     path: &mut PathState<'_>,
@@ -261,7 +261,7 @@ pub fn connect(
 /// ```
 ///
 /// * `wi`: the direction in world space
-#[inline]
+#[inline(always)]
 pub fn follow(
     path: &mut PathState<'_>,
     surface: &SurfaceInteraction,
