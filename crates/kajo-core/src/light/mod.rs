@@ -9,7 +9,6 @@
 //! Each sample has its density beside it, answered by the same member for the same receiver, and `laws/lights.rs` holds every
 //! member to that.
 
-mod along;
 mod area;
 mod bounding_sphere;
 mod bounds;

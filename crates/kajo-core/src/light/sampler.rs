@@ -226,7 +226,7 @@ impl LightSampler {
             return Some(SampledLight::new(only, 1.0, u));
         }
         match by.into() {
-            LightSelection::Tree => self.tree.sample_along(segment, u),
+            LightSelection::Tree => self.tree.sample(segment, &self.tree.first_step(segment), u),
             LightSelection::Uniform => self.sample_uniform(u),
             LightSelection::Learned(visibility) => {
                 let known = visibility.region(segment.middle());
@@ -247,7 +247,7 @@ impl LightSampler {
             return if only == light { 1.0 } else { 0.0 };
         }
         match by.into() {
-            LightSelection::Tree => self.tree.pmf_along(light, segment),
+            LightSelection::Tree => self.tree.pmf(light, segment, &self.tree.first_step(segment)),
             LightSelection::Uniform => self.pmf_uniform(),
             LightSelection::Learned(visibility) => {
                 let known = visibility.region(segment.middle());

@@ -1,7 +1,8 @@
 //! The choice of one light among many that have a position.
 //!
 //! A binary tree over the lights; a walk from the root goes to each child with a probability proportional to an estimate of what it
-//! sends to the receiver: see `cluster.rs`. The layout and the cost of a split follow [Conty Estévez and Kulla 2018] and
+//! sends to the receiver: see `cluster.rs`. What few lights send is the sum of what each of them does: an estimate for them as one does not
+//! know that a spot light shines past the receiver, or that a ray passes one of them closely. The layout and the cost of a split follow [Conty Estévez and Kulla 2018] and
 //! [Pharr et al. 2023, 12.6]. Lights infinitely far away stand beside the tree: see `infinite.rs`.
 
 use std::f32::consts::PI;
@@ -9,6 +10,7 @@ use std::f32::consts::PI;
 use kajo_math::{Aabb, warp};
 
 use super::cluster::{LightCluster, LightMoments, LightQuery};
+use super::segment::{AngularSpan, RaySegment};
 use super::visibility::{self, Mixture, RegionVisibility};
 use super::{LightBounds, SampledLight};
 use crate::ids::LightIndex;
@@ -17,7 +19,7 @@ use crate::ids::LightIndex;
 #[derive(Debug, Default)]
 pub struct LightTree {
     /// Of inner node `i` the first child is `i + 1`.
-    pub(super) nodes: Vec<Node>,
+    nodes: Vec<Node>,
     /// For each light of the scene the turns from the root to its leaf, first turn in bit 0.
     trails: Vec<u64>,
     /// Whether all lights fall off by the square of the distance.
@@ -25,16 +27,19 @@ pub struct LightTree {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
-    pub cluster: LightCluster,
-    pub content: NodeContent,
+struct Node {
+    cluster: LightCluster,
+    content: NodeContent,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum NodeContent {
-    /// The first child is the next node, the second one stands at this index.
+enum NodeContent {
+    /// The first child is the next node.
     Inner {
+        /// Index of the second child.
         second: u32,
+        /// Number of lights below, if each of them is looked at, or 0.
+        few: u8,
     },
     Leaf(LightIndex),
 }
@@ -53,6 +58,9 @@ const DEEPEST_BY_COST: u32 = 30;
 const NEVER: u64 = u64::MAX;
 
 const BUCKETS: usize = 12;
+
+/// The most lights that are each looked at.
+const FEW: usize = 8;
 
 impl LightTree {
     /// The tree over lights given by their bounds; `None` for those infinitely far away, which are not in it.
@@ -89,13 +97,11 @@ impl LightTree {
     /// What the root leads to.
     #[inline]
     pub(super) fn first_step(&self, to: &impl LightQuery) -> FirstStep {
-        let Some(root) = self.nodes.first() else { return FirstStep::NONE };
-        let importance = |at: usize| to.importance(&self.nodes[at].cluster);
-        let importances = match root.content {
-            NodeContent::Leaf(_) => [importance(0), 0.0],
-            NodeContent::Inner { second } => [importance(1), importance(second as usize)],
-        };
-        FirstStep { importances, is_inverse_square: self.is_inverse_square }
+        let mut walk = LightWalk::at(self, 0, to);
+        if let Some(&Node { cluster, content: NodeContent::Leaf(_) }) = self.nodes.first() {
+            walk.importances[0] = to.importance(&cluster);
+        }
+        FirstStep { walk, is_inverse_square: self.is_inverse_square }
     }
 
     /// Chooses a light for a receiver; `None` when none can reach it.
@@ -104,49 +110,32 @@ impl LightTree {
     /// * `u`: uniform in [0, 1)
     #[inline]
     pub(super) fn sample(&self, to: &impl LightQuery, step: &FirstStep, mut u: f32) -> Option<SampledLight> {
-        let (mut at, mut probability) = (0, 1.0);
-        let mut first = step.share_of_first();
+        let (mut walk, mut probability) = (step.walk, 1.0);
         loop {
-            let second = match self.nodes.get(at)?.content {
-                NodeContent::Leaf(light) => return Some(SampledLight::new(light, probability, u)),
-                NodeContent::Inner { second } => second as usize,
-            };
-            let share = first?;
+            if let NodeContent::Leaf(light) = self.nodes.get(walk.at)?.content {
+                return Some(SampledLight::new(light, probability, u));
+            }
+            let share = walk.share_of_first()?;
             let is_first;
             (is_first, u) = warp::choose(u, share);
-            if is_first {
-                probability *= share;
-                at += 1;
-            } else {
-                probability *= 1.0 - share;
-                at = second;
-            }
-            first = self.share_of_first(at, to);
+            probability *= if is_first { share } else { 1.0 - share };
+            walk.turn(self, is_first, to);
         }
     }
 
     /// The probability with which [`LightTree::sample`] chooses a light for a receiver.
     #[inline]
     pub(super) fn pmf(&self, light: LightIndex, to: &impl LightQuery, step: &FirstStep) -> f32 {
-        let mut trail = self.trails[light.index()];
-        if trail == NEVER {
-            return 0.0;
-        }
-        let (mut at, mut probability) = (0, 1.0);
-        let mut first = step.share_of_first();
-        loop {
-            let NodeContent::Inner { second } = self.nodes[at].content else { return probability };
-            let Some(share) = first else { return 0.0 };
-            if trail & 1 == 0 {
-                probability *= share;
-                at += 1;
-            } else {
-                probability *= 1.0 - share;
-                at = second as usize;
-            }
+        let Some(mut trail) = self.trail(light) else { return 0.0 };
+        let (mut walk, mut probability) = (step.walk, 1.0);
+        while let NodeContent::Inner { .. } = self.nodes[walk.at].content {
+            let Some(share) = walk.share_of_first() else { return 0.0 };
+            let is_first = trail & 1 == 0;
+            probability *= if is_first { share } else { 1.0 - share };
+            walk.turn(self, is_first, to);
             trail >>= 1;
-            first = self.share_of_first(at, to);
         }
+        probability
     }
 
     /// As [`LightTree::sample`], by a mixture that knows what arrives.
@@ -159,17 +148,16 @@ impl LightTree {
         known: &RegionVisibility<'_>,
         mut mixture: Mixture,
     ) -> Option<SampledLight> {
-        let (mut at, mut node, mut importances) = (0, visibility::ROOT, step.importances);
+        let (mut walk, mut node) = (step.walk, visibility::ROOT);
         loop {
-            let second = match self.nodes.get(at)?.content {
-                NodeContent::Leaf(light) => return Some(SampledLight::new(light, mixture.probability(), u)),
-                NodeContent::Inner { second } => second as usize,
-            };
-            let (shares, first) = learned_shares(importances, known, node)?;
+            if let NodeContent::Leaf(light) = self.nodes.get(walk.at)?.content {
+                return Some(SampledLight::new(light, mixture.probability(), u));
+            }
+            let (shares, first) = learned_shares(walk.importances, known, node)?;
             let is_first;
             (is_first, mixture, u) = mixture.step(shares, u);
-            (at, node) = if is_first { (at + 1, first) } else { (second, first + 1) };
-            importances = self.importances_below(at, to);
+            node = if is_first { first } else { first + 1 };
+            walk.turn(self, is_first, to);
         }
     }
 
@@ -183,24 +171,17 @@ impl LightTree {
         known: &RegionVisibility<'_>,
         mut mixture: Mixture,
     ) -> f32 {
-        let mut trail = self.trails[light.index()];
-        if trail == NEVER {
-            return 0.0;
-        }
-        let (mut at, mut node, mut importances) = (0, visibility::ROOT, step.importances);
-        loop {
-            let NodeContent::Inner { second } = self.nodes[at].content else { return mixture.probability() };
-            let Some((shares, first)) = learned_shares(importances, known, node) else { return 0.0 };
-            if trail & 1 == 0 {
-                mixture = mixture.after(shares);
-                (at, node) = (at + 1, first);
-            } else {
-                mixture = mixture.after(shares.map(|share| 1.0 - share));
-                (at, node) = (second as usize, first + 1);
-            }
+        let Some(mut trail) = self.trail(light) else { return 0.0 };
+        let (mut walk, mut node) = (step.walk, visibility::ROOT);
+        while let NodeContent::Inner { .. } = self.nodes[walk.at].content {
+            let Some((shares, first)) = learned_shares(walk.importances, known, node) else { return 0.0 };
+            let is_first = trail & 1 == 0;
+            mixture = mixture.after(if is_first { shares } else { shares.map(|share| 1.0 - share) });
+            node = if is_first { first } else { first + 1 };
+            walk.turn(self, is_first, to);
             trail >>= 1;
-            importances = self.importances_below(at, to);
         }
+        mixture.probability()
     }
 
     /// The turns from the root to a light of the tree, first turn in bit 0.
@@ -208,17 +189,15 @@ impl LightTree {
         self.trails.get(light.index()).copied().filter(|&trail| trail != NEVER)
     }
 
-    /// What a node's two children may send to a receiver; nothing where it has none.
-    #[inline]
-    fn importances_below(&self, at: usize, to: &impl LightQuery) -> [f32; 2] {
-        let NodeContent::Inner { second } = self.nodes[at].content else { return [0.0; 2] };
-        [at + 1, second as usize].map(|at| to.importance(&self.nodes[at].cluster))
-    }
-
-    /// The probability of the first of a node's two children; `None` when neither reaches the receiver, or it has none.
-    #[inline]
-    pub(super) fn share_of_first(&self, at: usize, to: &impl LightQuery) -> Option<f32> {
-        share_of_first(self.importances_below(at, to))
+    /// How a light sees a piece of a ray; `None` where it does not, or is not in the tree.
+    pub(super) fn seen_from(&self, light: LightIndex, segment: &RaySegment) -> Option<AngularSpan> {
+        let mut trail = self.trail(light)?;
+        let mut at = 0;
+        while let NodeContent::Inner { second, .. } = self.nodes[at].content {
+            at = if trail & 1 == 0 { at + 1 } else { second as usize };
+            trail >>= 1;
+        }
+        self.nodes[at].cluster.seen_from(segment)
     }
 
     /// Adds the subtree over some lights.
@@ -232,38 +211,105 @@ impl LightTree {
             self.nodes.push(Node { cluster, content: NodeContent::Leaf(light) });
             return;
         }
-        self.nodes.push(Node { cluster, content: NodeContent::Inner { second: 0 } });
+        let few = if lights.len() <= FEW { lights.len() as u8 } else { 0 };
+        self.nodes.push(Node { cluster, content: NodeContent::Inner { second: 0, few } });
         let middle = part(lights, &bounds, depth);
         let (first, second) = lights.split_at_mut(middle);
         self.add(first, trail, depth + 1);
-        self.nodes[at].content = NodeContent::Inner { second: self.nodes.len() as u32 };
+        self.nodes[at].content = NodeContent::Inner { second: self.nodes.len() as u32, few };
         self.add(second, trail | 1 << depth, depth + 1);
+    }
+}
+
+/// A walk from the root towards a light.
+#[derive(Clone, Copy, Debug, Default)]
+struct LightWalk {
+    /// The node that it has come to.
+    at: usize,
+    /// Of the node's children for the receiver, or of the root alone where that is a light; 0 at other leaves.
+    importances: [f32; 2],
+    /// Of each of few lights, those of the node from `begin` to `end`; of more lights none is looked at.
+    each: [f32; FEW],
+    begin: usize,
+    end: usize,
+}
+
+impl LightWalk {
+    /// The walk that has come to a node out of one with many lights.
+    #[inline]
+    fn at(tree: &LightTree, at: usize, to: &impl LightQuery) -> LightWalk {
+        let mut walk = LightWalk { at, ..LightWalk::default() };
+        let Some(&NodeContent::Inner { second, few }) = tree.nodes.get(at).map(|node| &node.content) else {
+            return walk;
+        };
+        if few == 0 {
+            let importance = |at: usize| to.importance(&tree.nodes[at].cluster);
+            walk.importances = [importance(at + 1), importance(second as usize)];
+            return walk;
+        }
+        // The nodes below one follow it.
+        walk.end = usize::from(few);
+        let below = tree.nodes.iter().skip(at + 1);
+        let lights = below.filter(|node| matches!(node.content, NodeContent::Leaf(_)));
+        for (importance, node) in walk.each[..walk.end].iter_mut().zip(lights) {
+            *importance = to.importance(&node.cluster);
+        }
+        walk.add_up(tree);
+        walk
+    }
+
+    /// Goes to a child of the node.
+    #[inline]
+    fn turn(&mut self, tree: &LightTree, is_first: bool, to: &impl LightQuery) {
+        let NodeContent::Inner { second, .. } = tree.nodes[self.at].content else { return };
+        let next = if is_first { self.at + 1 } else { second as usize };
+        if self.end == 0 {
+            *self = LightWalk::at(tree, next, to);
+            return;
+        }
+        let middle = self.middle(second);
+        let part = if is_first { &mut self.end } else { &mut self.begin };
+        *part = middle;
+        self.at = next;
+        self.add_up(tree);
+    }
+
+    /// The first light of the second child among few.
+    #[inline]
+    fn middle(&self, second: u32) -> usize {
+        self.begin + (second as usize - self.at) / 2
+    }
+
+    /// Adds up the importances of few lights for the node's children.
+    #[inline]
+    fn add_up(&mut self, tree: &LightTree) {
+        let NodeContent::Inner { second, .. } = tree.nodes[self.at].content else { return };
+        let sum = |part: &[f32]| part.iter().sum();
+        let middle = self.middle(second);
+        self.importances = [sum(&self.each[self.begin..middle]), sum(&self.each[middle..self.end])];
+    }
+
+    /// The probability of the first child; `None` when neither reaches the receiver.
+    #[inline]
+    fn share_of_first(&self) -> Option<f32> {
+        share_of_first(self.importances)
     }
 }
 
 /// The first step of a walk from the root.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FirstStep {
-    /// Of the root's children for the receiver; where the root is a light, of that.
-    importances: [f32; 2],
+    walk: LightWalk,
     is_inverse_square: bool,
 }
 
 impl FirstStep {
-    /// Of a tree without lights.
-    const NONE: FirstStep = FirstStep { importances: [0.0; 2], is_inverse_square: true };
-
     /// About the irradiance that all lights of the tree make where nothing is in the way, as if each were
     /// a surface that sends its power to one side; `None` where it cannot be told.
     #[inline]
     pub fn irradiance(&self) -> Option<f32> {
-        let [first, second] = self.importances;
+        let [first, second] = self.walk.importances;
         self.is_inverse_square.then_some((first + second).min(f32::MAX) / PI)
-    }
-
-    #[inline]
-    fn share_of_first(&self) -> Option<f32> {
-        share_of_first(self.importances)
     }
 }
 
@@ -335,106 +381,4 @@ fn cheapest_split(
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::super::Receiver;
-    use super::*;
-    use kajo_math::{Vec2, Vec3, rng::Stream, warp};
-
-    /// Lights of different strength and direction in a box.
-    pub fn lights(n: u32) -> Vec<Option<LightBounds>> {
-        let light = |i: u32| {
-            let s = Stream::new(3, [i, 0], 0);
-            let at = 10.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
-            let size = Vec3::splat(0.1 * s.uniform(3));
-            LightBounds {
-                bounds: Aabb { min: at - size, max: at + size },
-                axis: warp::uniform_sphere(Vec2::new(s.uniform(4), s.uniform(5))),
-                cos_spread: if i.is_multiple_of(3) { -1.0 } else { 1.0 },
-                cos_reach: 0.0,
-                two_sided: i.is_multiple_of(5),
-                power: 0.1 + s.uniform(6),
-                is_inverse_square: true,
-            }
-        };
-        (0..n).map(|i| (i % 97 != 96).then(|| light(i))).collect()
-    }
-
-    #[test]
-    fn probabilities_agree_with_the_walk_and_sum_to_one() {
-        let lights = lights(200);
-        let tree = LightTree::build(&lights);
-        assert_eq!(LightIndex::all(200).filter(|&light| tree.has(light)).count(), 198);
-        for k in 0..30 {
-            let s = Stream::new(5, [k, 0], 0);
-            let p = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
-            let n = if k % 4 == 0 {
-                Vec3::ZERO
-            } else {
-                warp::uniform_sphere(Vec2::new(s.uniform(3), s.uniform(4)))
-            };
-            let to = Receiver { p, n, time: 0.0 };
-            let sum: f32 =
-                LightIndex::all(200).map(|light| tree.pmf(light, &to, &tree.first_step(&to))).sum();
-            // A walk may end among lights that turn out not to reach the receiver.
-            assert!(sum > 0.8 && sum < 1.0 + 1e-4, "{sum}");
-            for j in 0..50 {
-                let Some(SampledLight { light, probability, .. }) =
-                    tree.sample(&to, &tree.first_step(&to), s.uniform(10 + j))
-                else {
-                    continue;
-                };
-                let again = tree.pmf(light, &to, &tree.first_step(&to));
-                assert!((again / probability - 1.0).abs() < 1e-4, "{light:?}: {again} {probability}");
-            }
-        }
-    }
-
-    #[test]
-    fn what_can_send_light_is_never_ruled_out() {
-        let lights = lights(150);
-        let tree = LightTree::build(&lights);
-        for k in 0..40 {
-            let s = Stream::new(6, [k, 0], 0);
-            let p = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
-            for (i, light) in LightIndex::all(150).zip(&lights) {
-                let Some(light) = light else { continue };
-                // From the middle of the light, straight along its axis or sideways within its reach.
-                let w = (p - light.bounds.center()).normalize();
-                let sends = light.cos_spread < 0.0 || light.axis.dot(w) > 0.0 || light.two_sided;
-                let to = Receiver { p, ..Receiver::default() };
-                let found = tree.pmf(i, &to, &tree.first_step(&to)) > 0.0;
-                assert!(found || !sends, "receiver {k}, light {i:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn near_and_strong_lights_are_chosen_more_often() {
-        let at = |x: f32, power: f32| {
-            let bounds = Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x, 0.0, 0.0) };
-            Some(LightBounds {
-                bounds,
-                axis: Vec3::Z,
-                cos_spread: -1.0,
-                cos_reach: 0.0,
-                two_sided: false,
-                power,
-                is_inverse_square: true,
-            })
-        };
-        let tree = LightTree::build(&[at(0.0, 1.0), at(10.0, 1.0), at(20.0, 4.0), at(30.0, 0.0)]);
-        let to = Receiver { p: Vec3::X, ..Receiver::default() };
-        let chances: Vec<f32> =
-            LightIndex::all(4).map(|light| tree.pmf(light, &to, &tree.first_step(&to))).collect();
-        assert!(chances[0] > 10.0 * chances[1] && chances[2] > 0.5 * chances[1]);
-        assert_eq!(chances[3], 0.0);
-        assert!(!tree.has(LightIndex::new(3).unwrap()));
-    }
-
-    #[test]
-    fn no_light_is_no_choice() {
-        let tree = LightTree::build(&[]);
-        assert!(tree.is_empty());
-        assert!(tree.sample(&Receiver::default(), &FirstStep::NONE, 0.5).is_none());
-    }
-}
+mod tests;
