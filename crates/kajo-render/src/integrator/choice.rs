@@ -10,7 +10,7 @@ use kajo_core::light::{LightId, PowerLightSampler};
 use kajo_core::scene::Scene;
 use kajo_core::settings::IntegratorName;
 
-use super::photon::emission::{Emission, PhotonRequest, Wanted};
+use super::photon::emission::{PhotonEmission, PhotonRequest, Wanted};
 use super::{
     IntegratorSpec, NAMES, Path, PathSettings, bidir, classic, hidden_light, path, small_picture, vcm,
 };
@@ -131,7 +131,7 @@ fn sky(scene: &Scene, power_sampler: &PowerLightSampler) -> f32 {
 /// them: `n_caustic / N`, the mean of an indicator over `N` paths, whose standard error is below `1 / (2 sqrt(N))`.
 fn caustics(scene: &Scene) -> f32 {
     const MOST_MIRRORS: u32 = 8;
-    let emission = Emission::new(scene, LIGHT_PATHS, MOST_MIRRORS, false);
+    let emission = PhotonEmission::new(scene, LIGHT_PATHS, MOST_MIRRORS, false);
     let setup = Setup { seed: 0, threads: 1, memory: u64::MAX, progress: &Silent };
     let found = emission.emit(
         0,

@@ -522,12 +522,12 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let (scene, settings) = (self.scene(), self.settings);
         let state = &mut path.state;
         let receiver = receiver(surface, local);
-        let Some((chosen, u)) = choose_light(scene, state, &receiver, self.lights) else { return };
+        let Some(chosen) = choose_light(scene, state, &receiver, self.lights) else { return };
         if C::WALKS {
-            self.add_light_through_glass(path, surface, (bsdf, local), (&chosen, u));
+            self.add_light_through_glass(path, Shaded { surface, bsdf, local }, &chosen);
         }
         let state = &mut path.state;
-        let drawn = light_of_choice(scene, state, &receiver, &chosen, u);
+        let drawn = light_of_choice(scene, state, &receiver, &chosen);
         let Some(DrawnLight { light, li, pdf }) = drawn else { return };
         let Some(wi) = local.to_local(li.wi) else { return };
         let towards = TwoFrames { local: wi, world: li.wi };

@@ -57,7 +57,7 @@ pub struct PhotonRequest {
 }
 
 /// Sends photons out.
-pub struct Emission<'a> {
+pub struct PhotonEmission<'a> {
     scene: &'a Scene,
     power_sampler: PowerLightSampler,
     sampler: Sampler,
@@ -81,6 +81,14 @@ pub struct PhotonBatch {
     pub in_media: Vec<Photon>,
     /// Rays that were cast.
     pub rays: RayCounters,
+}
+
+/// What the random numbers of a map begin with.
+#[derive(Clone, Copy)]
+struct MapKey {
+    /// The number of the map.
+    k: u32,
+    seed: u64,
 }
 
 /// How a photon got to where it is.
@@ -116,10 +124,10 @@ impl PhotonBatch {
     }
 }
 
-impl<'a> Emission<'a> {
-    pub fn new(scene: &'a Scene, paths: u32, bounces: u32, roulette: bool) -> Emission<'a> {
+impl<'a> PhotonEmission<'a> {
+    pub fn new(scene: &'a Scene, paths: u32, bounces: u32, roulette: bool) -> PhotonEmission<'a> {
         let sampler = Sampler::new(SamplerKind::Sobol, paths);
-        Emission {
+        PhotonEmission {
             scene,
             power_sampler: scene.power_light_sampler(),
             sampler,
@@ -150,12 +158,12 @@ impl<'a> Emission<'a> {
             let begin = task * PATHS_A_TASK;
             let end = begin.saturating_add(PATHS_A_TASK).min(self.paths);
             let mut batch = PhotonBatch::default();
-            let key = (k, setup.seed);
+            let map = MapKey { k, seed: setup.seed };
             match self.scene.has_media() {
                 false => (begin..end)
-                    .for_each(|i| self.emit_path::<NoMedia>(key, i, wavelengths, wanted, &mut batch)),
+                    .for_each(|i| self.emit_path::<NoMedia>(map, i, wavelengths, wanted, &mut batch)),
                 true => (begin..end)
-                    .for_each(|i| self.emit_path::<WithMedia<'_>>(key, i, wavelengths, wanted, &mut batch)),
+                    .for_each(|i| self.emit_path::<WithMedia<'_>>(map, i, wavelengths, wanted, &mut batch)),
             }
             // All of them are copied once.
             let bytes = 2 * batch.bytes();
@@ -183,11 +191,9 @@ impl<'a> Emission<'a> {
     }
 
     /// Follows path `i` of a map.
-    ///
-    /// * `key`: the number of the map, and the seed
     fn emit_path<'v, V: Volume<'v>>(
         &'v self,
-        (k, seed): (u32, u64),
+        map: MapKey,
         i: u32,
         wavelengths: &Wavelengths,
         wanted: PhotonRequest,
@@ -195,7 +201,7 @@ impl<'a> Emission<'a> {
     ) {
         let scene = self.scene;
         let mut counting = Counting::new(&SampleContext::new(&self.sampler, 0));
-        let Some((mut path, emitted)) = self.begin::<V>((k, seed), i, wavelengths) else { return };
+        let Some((mut path, emitted)) = self.begin::<V>(map, i, wavelengths) else { return };
         counting.counters().light += 1;
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
         // Whether nothing but mirrors and glass was met, and whether anything stands between a vertex and the light.
@@ -244,12 +250,12 @@ impl<'a> Emission<'a> {
     /// The beginning of path `i` of a map, and the light that it begins with; `None` where it has none.
     fn begin<'v, V: Volume<'v>>(
         &self,
-        (k, seed): (u32, u64),
+        map: MapKey,
         i: u32,
         wavelengths: &Wavelengths,
     ) -> Option<(Subpath<'_>, LightLeSample)> {
         let scene = self.scene;
-        let mut draws = SampleStream::new(&self.sampler, mix(seed ^ SALT), [k, 0], i);
+        let mut draws = SampleStream::new(&self.sampler, mix(map.seed ^ SALT), [map.k, 0], i);
         let time = draws.number_if(scene.moves());
         let hero = if V::HAS_MEDIA { LaneMis::new(wavelengths, draws.next_1d()).hero } else { 0 };
         let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);

@@ -63,7 +63,7 @@ use super::transport::{LaneMis, PathState};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{SamplesPerState, Setup, SetupError, WithState};
-use emission::{Emission, PhotonRequest, Wanted};
+use emission::{PhotonEmission, PhotonRequest, Wanted};
 use gather::Gatherer;
 pub use settings::{PHOTON, PhotonSettings, SPPM};
 
@@ -188,7 +188,7 @@ impl<'a> PhotonMapping<'a> {
         setup: &Setup<'_>,
     ) -> Result<(Maps, crate::RayCounters, Vec<String>), SetupError> {
         let PhotonSettings { bounces, photons, usage, roulette, .. } = self.settings;
-        let emission = Emission::new(self.view.scene, photons, bounces, roulette);
+        let emission = PhotonEmission::new(self.view.scene, photons, bounces, roulette);
         let [map, in_media] = match usage {
             None => [Wanted::Indirect; 2],
             Some(PhotonMapUse::Direct) => [Wanted::All; 2],

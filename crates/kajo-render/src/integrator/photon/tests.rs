@@ -114,7 +114,7 @@ fn the_power_of_lights_is_kept() {
     let lights = "Lights { PointLight { position 0.3 0 0.2  intensity 1 1 1 } }";
     let expected = 4.0 * PI + 3.0 * PI;
     let scene = scene(&format!("{} {lights} {room}", camera([0.0, 0.0, 1.0], [0.0, 0.0, 0.0], 30.0)));
-    let emission = Emission::new(&scene, 50_000, 3, true);
+    let emission = PhotonEmission::new(&scene, 50_000, 3, true);
     let batch = emission
         .emit(
             0,

@@ -61,6 +61,6 @@ pub use medium_stack::{Interface, MediumStack};
 pub use mis::power_heuristic;
 pub use path_state::{PathState, SurfaceInteraction};
 pub use steps::{
-    DrawnLight, Event, advance, choose_light, connect, cross_hidden, follow, light_of_choice, pass_straight,
-    sample_light, shade, survives, survives_guided, survives_in_medium,
+    ChosenLight, DrawnLight, Event, advance, choose_light, connect, cross_hidden, follow, light_of_choice,
+    pass_straight, sample_light, shade, survives, survives_guided, survives_in_medium,
 };

@@ -204,36 +204,42 @@ pub fn sample_light<'a>(
     receiver: &Receiver,
     by: impl Into<LightSelection<'a>>,
 ) -> Option<DrawnLight> {
-    let (chosen, u) = choose_light(scene, path, receiver, by)?;
-    light_of_choice(scene, path, receiver, &chosen, u)
+    let chosen = choose_light(scene, path, receiver, by)?;
+    light_of_choice(scene, path, receiver, &chosen)
 }
 
-/// The first half of [`sample_light`]: a light for a vertex, and the numbers that it was chosen by.
+/// A light chosen for a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct ChosenLight {
+    /// Which one, and how probable it was.
+    pub sampled: SampledLight,
+    /// The numbers that it was chosen by, uniform in [0, 1)².
+    pub u: Vec2,
+}
+
+/// The first half of [`sample_light`]: a light for a vertex.
 #[inline]
 pub fn choose_light<'a>(
     scene: &Scene,
     path: &mut PathState<'_>,
     receiver: &Receiver,
     by: impl Into<LightSelection<'a>>,
-) -> Option<(SampledLight, Vec2)> {
+) -> Option<ChosenLight> {
     path.draws.skip(1);
     let u = path.draws.next_2d();
-    Some((scene.lighting.sampler.sample(receiver, u.x, by)?, u))
+    Some(ChosenLight { sampled: scene.lighting.sampler.sample(receiver, u.x, by)?, u })
 }
 
 /// The second half: what the light that was chosen sends.
-///
-/// * `u`: the numbers that it was chosen by
 #[inline]
 pub fn light_of_choice(
     scene: &Scene,
     path: &PathState<'_>,
     receiver: &Receiver,
-    chosen: &SampledLight,
-    u: Vec2,
+    chosen: &ChosenLight,
 ) -> Option<DrawnLight> {
-    let &SampledLight { light, probability, .. } = chosen;
-    let li = scene.sample_li(light, receiver, chosen.pair(u), &path.wavelengths)?;
+    let &ChosenLight { sampled: SampledLight { light, probability, .. }, u } = chosen;
+    let li = scene.sample_li(light, receiver, chosen.sampled.pair(u), &path.wavelengths)?;
     (!li.radiance.is_black()).then_some(DrawnLight { light, li, pdf: li.pdf * probability })
 }
 

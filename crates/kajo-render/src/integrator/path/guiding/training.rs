@@ -24,7 +24,7 @@ use super::collector::{Collector, divide};
 use super::field::Field;
 use super::{Guide, Records, quadtree, sum_of};
 use crate::integrator::path::Path;
-use crate::integrator::photon::emission::{Emission, PhotonRequest, Wanted};
+use crate::integrator::photon::emission::{PhotonEmission, PhotonRequest, Wanted};
 use crate::integrator::photon_map::Photon;
 use crate::trail::Counting;
 use crate::{RayCounters, SampleContext, Setup, SetupError};
@@ -183,7 +183,7 @@ impl<'t, 'a> Training<'t, 'a> {
     ) -> Result<(Option<Photons>, RayCounters), SetupError> {
         let (view, settings, memory) = (&self.path.view, &self.path.settings, self.setup.memory);
         let paths = (PHOTON_PATHS * self.first).min(MOST_PHOTON_PATHS).min(memory / BYTES_OF_PHOTON_PATH);
-        let emission = Emission::new(view.scene, paths as u32, settings.bounces, settings.roulette);
+        let emission = PhotonEmission::new(view.scene, paths as u32, settings.bounces, settings.roulette);
         if paths == 0 || !emission.has_light() {
             return Ok((None, RayCounters::default()));
         }

@@ -27,16 +27,16 @@
 use kajo_color::{Spectrum, sensor};
 use kajo_core::ObjectId;
 use kajo_core::bsdf::{Bsdf, Transport};
-use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver, SampledLight};
+use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver};
 use kajo_core::scene::Interaction;
 use kajo_core::settings::Technique;
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::casters::Casters;
 use super::crossed::Crossed;
-use super::{CameraPath, IndirectLight, PathTracer, directions};
+use super::{CameraPath, IndirectLight, PathTracer, Shaded, directions};
 use crate::integrator::transport::{
-    Caster, ChainStart, DrawnLight, Link, LocalFrame, MOST_CHAINS, ManifoldWalk, MediumStack, PathState,
+    Caster, ChainStart, ChosenLight, DrawnLight, Link, MOST_CHAINS, ManifoldWalk, MediumStack, PathState,
     SpecularChain, SurfaceInteraction, Via, connect, power_heuristic,
 };
 use crate::trail::{About, PathObserver, RayKind};
@@ -191,33 +191,30 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Adds light of a light that was chosen for a vertex, as it comes through glass or by way of mirrors. On the straight line it may send nothing.
     ///
     /// Takes a number for the choice of a caster, and two for the point of a surface.
-    ///
-    /// * `u`: uniform in [0, 1)², what the light was chosen by
     #[inline(never)]
     pub(super) fn add_light_through_glass(
         &mut self,
         path: &mut CameraPath<'s>,
-        surface: &SurfaceInteraction,
-        (bsdf, local): (&Bsdf<'s>, &LocalFrame),
-        (chosen, u): (&SampledLight, Vec2),
+        at: Shaded<'_>,
+        chosen: &ChosenLight,
     ) {
         if path.bounces >= self.settings.bounces || self.settings.only_mirrors {
             return;
         }
-        let state = &mut path.state;
+        let (state, surface) = (&mut path.state, at.surface);
         let to = Receiver { p: surface.at.point.p, n: Vec3::ZERO, time: surface.at.time };
         let choice_of_caster = state.draws.next_1d();
-        let Some((li, pdf)) = self.end_of_chains(state, &to, chosen, u) else { return };
+        let Some((li, pdf)) = self.end_of_chains(state, &to, chosen) else { return };
         let end = End { at: li.at, wi: li.wi };
         let start = leaving(surface, state.media);
         let before = self.before(&start, &end);
         let caster =
             self.indirect.casters().and_then(|casters| casters.choose(to.p, before, choice_of_caster));
         let Some((caster, choice)) = caster else { return };
-        let drawn = DrawnLight { light: chosen.light, li, pdf };
+        let drawn = DrawnLight { light: chosen.sampled.light, li, pdf };
         let state = path.state;
         for found in self.chains_by_caster(&state, &start, &end, &caster).iter().flatten() {
-            self.add_light_of_chain(path, surface, (bsdf, local), (&drawn, found, choice));
+            self.add_light_of_chain(path, at, &drawn, found, choice);
         }
     }
 
@@ -227,10 +224,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         &self,
         state: &mut PathState<'s>,
         to: &Receiver,
-        chosen: &SampledLight,
-        u: Vec2,
+        &ChosenLight { sampled, u }: &ChosenLight,
     ) -> Option<(LightLiSample, f32)> {
-        let (scene, light) = (self.scene(), chosen.light);
+        let (scene, light) = (self.scene(), sampled.light);
         let (lights, id) = (&scene.lighting.lights, scene.lighting.sampler.id(light));
         let end = |at: LightPoint, is_delta: bool| {
             let wi = (at.p() - to.p).normalize_or_zero();
@@ -239,14 +235,14 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         if lights.is_surface(id) {
             let (at, pdf_area) = lights.sample_area(id, state.draws.next_2d(), to.time)?;
             let is_drawn = is_small(to, at.p(), pdf_area);
-            return is_drawn.then(|| (end(at, false), chosen.probability * pdf_area));
+            return is_drawn.then(|| (end(at, false), sampled.probability * pdf_area));
         }
         if let Some(apex) = lights.apex(id) {
-            return Some((end(LightPoint::Position(apex), true), chosen.probability));
+            return Some((end(LightPoint::Position(apex), true), sampled.probability));
         }
-        let li = scene.sample_li(light, to, chosen.pair(u), &state.wavelengths)?;
+        let li = scene.sample_li(light, to, sampled.pair(u), &state.wavelengths)?;
         // Of other lights that have a place no point is drawn.
-        li.at.is_infinite().then_some((li, chosen.probability * li.pdf))
+        li.at.is_infinite().then_some((li, sampled.probability * li.pdf))
     }
 
     /// Adds light that comes along a chain.
@@ -255,9 +251,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn add_light_of_chain(
         &mut self,
         path: &CameraPath<'s>,
-        surface: &SurfaceInteraction,
-        (bsdf, local): (&Bsdf<'s>, &LocalFrame),
-        (drawn, found, choice): (&DrawnLight, &Found, f32),
+        Shaded { surface, bsdf, local }: Shaded<'_>,
+        drawn: &DrawnLight,
+        found: &Found,
+        choice: f32,
     ) {
         let (scene, settings, state) = (self.scene(), self.settings, &path.state);
         let DrawnLight { light, li, pdf } = drawn;
