@@ -15,8 +15,8 @@ use crate::{LayerSet, PixelIntegrator};
 pub struct VertexMergingSettings {
     /// Maximum number of scattering events of a path; 0 is direct illumination only.
     pub bounces: u32,
-    /// Paths from lights whose vertices are kept for a sample of all pixels, at least 1.
-    pub photons: u32,
+    /// Paths from lights whose vertices are kept for a sample of all pixels, at least 1; `None` for about as many as there are pixels.
+    pub photons: Option<u32>,
     /// Whether vertices are merged; without that it is the bidirectional integrator.
     pub merging: bool,
     /// Radius of the first disks in world units; 0 for one that suits the picture.
@@ -35,7 +35,7 @@ impl Default for VertexMergingSettings {
     fn default() -> VertexMergingSettings {
         VertexMergingSettings {
             bounces: 16,
-            photons: 100_000,
+            photons: None,
             merging: true,
             radius: 0.0,
             alpha: 0.75,
@@ -71,7 +71,7 @@ fn settings(context: &SettingsContext<'_>) -> IntegratorSettings {
     let bounces = bounces_from_both_ends(context.scene, default.bounces);
     IntegratorSettings::VertexMerging(VertexMergingSettings {
         bounces: said.bounces.unwrap_or(bounces),
-        photons: said.photons.unwrap_or(default.photons),
+        photons: said.photons.or(default.photons),
         merging: said.merging.unwrap_or(default.merging),
         radius: said.merge_radius.unwrap_or(default.radius),
         alpha: said.merge_alpha.unwrap_or(default.alpha),
@@ -95,7 +95,7 @@ impl Prepare for VertexMergingSettings {
     fn values(&self) -> Settings {
         Settings {
             bounces: Some(self.bounces),
-            photons: Some(self.photons),
+            photons: self.photons,
             merging: Some(self.merging),
             merge_radius: Some(self.radius),
             merge_alpha: Some(self.alpha),
