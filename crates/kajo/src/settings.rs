@@ -97,7 +97,7 @@ impl RenderSettings {
         };
         let default_samples =
             if is_course { (SamplerKind::Regular, 1) } else { (SamplerKind::Jittered, integrator.samples) };
-        let context = SettingsContext { said: &said, scene, defaults, uv };
+        let context = SettingsContext { said: &said, scene, size, defaults, uv };
         Ok(RenderSettings {
             size,
             samples: said.samples.unwrap_or(default_samples),

@@ -164,7 +164,8 @@ impl LightCluster {
         if n != Vec3::ZERO {
             importance *= mean_of_abs(w.dot(n), blur).max(1e-4);
         }
-        importance
+        // Without bound at a point of light itself.
+        importance.min(MOST_POWER)
     }
 
     /// The angle under which a light sees a ray; `None` where it does not.

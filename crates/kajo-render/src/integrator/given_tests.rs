@@ -42,7 +42,7 @@ fn scene() -> Scene {
 }
 
 fn prepared<'a>(spec: &IntegratorSpec, scene: &'a Scene, said: &Settings) -> Box<dyn PixelIntegrator + 'a> {
-    let context = SettingsContext { said, scene, defaults: Defaults::Modern, uv: false };
+    let context = SettingsContext { said, scene, size: [40, 30], defaults: Defaults::Modern, uv: false };
     (spec.settings)(&context).prepare(scene, &scene.output.camera, SIZE, LayerSet::of(&[Layer::Color]))
 }
 

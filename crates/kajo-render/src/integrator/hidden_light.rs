@@ -26,7 +26,7 @@ const LIGHT_PATHS: u32 = 4096;
 pub fn share(scene: &Scene) -> f32 {
     let camera = &scene.output.camera;
     let picture = |merging: bool| {
-        let settings = VertexMergingSettings { merging, photons: Some(LIGHT_PATHS), ..Default::default() };
+        let settings = VertexMergingSettings { merging, photons: LIGHT_PATHS, ..Default::default() };
         let layers = LayerSet::of(&[Layer::Color]);
         small_picture::brightness(&*vcm::integrator_of(camera, scene, settings, SIZE, layers), SIZE, SAMPLES)
     };

@@ -74,6 +74,8 @@ pub struct SettingsContext<'a> {
     pub said: &'a Settings,
     /// The scene, for the rules of its dialect.
     pub scene: &'a Scene,
+    /// Width and height of the picture in pixels.
+    pub size: [u32; 2],
     /// What holds where nothing is said.
     pub defaults: Defaults,
     /// Whether the uv test picture is asked for in place of the scene.

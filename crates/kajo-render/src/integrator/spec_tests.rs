@@ -15,7 +15,10 @@ use super::{Defaults, INTEGRATORS, IntegratorSpec, NAMES, Prepare, SettingsConte
 fn settled(spec: &IntegratorSpec, said: &Settings, defaults: Defaults) -> String {
     let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 } Group { }";
     let scene = scene_with(camera, &MemoryAssets::new());
-    format!("{:?}", (spec.settings)(&SettingsContext { said, scene: &scene, defaults, uv: false }))
+    format!(
+        "{:?}",
+        (spec.settings)(&SettingsContext { said, scene: &scene, size: [40, 30], defaults, uv: false })
+    )
 }
 
 /// Settings that say a key, at least one of them other than any default.
@@ -87,8 +90,13 @@ fn the_values_of_settings_make_the_same_settings() {
     let scene = scene_with(camera, &MemoryAssets::new());
     for spec in INTEGRATORS {
         for said in SettingsKey::ALL.into_iter().flat_map(saying).chain([Settings::default()]) {
-            let context =
-                SettingsContext { said: &said, scene: &scene, defaults: Defaults::Modern, uv: false };
+            let context = SettingsContext {
+                said: &said,
+                scene: &scene,
+                size: [400, 300],
+                defaults: Defaults::Modern,
+                uv: false,
+            };
             let settings = (spec.settings)(&context);
             let values = settings.values();
             assert_eq!(settled(spec, &values, Defaults::Classic), format!("{settings:?}"), "{}", spec.name);

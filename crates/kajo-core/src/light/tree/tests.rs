@@ -89,6 +89,32 @@ fn near_and_strong_lights_are_chosen_more_often() {
     assert!(!tree.has(LightIndex::new(3).unwrap()));
 }
 
+/// What two points of light send to the place of both of them is as much as there is.
+#[test]
+fn lights_at_the_receiver_are_chosen_alike() {
+    let at = |x: f32| {
+        let p = Vec3::new(x, 0.0, 0.0);
+        Some(LightBounds {
+            bounds: Aabb { min: p, max: p },
+            axis: Vec3::Z,
+            cos_spread: -1.0,
+            cos_reach: 0.0,
+            two_sided: false,
+            power: 1e10,
+            is_inverse_square: true,
+        })
+    };
+    for n in [3, 20] {
+        let lights: Vec<_> = (0..n).map(|i| at(if i < 2 { 0.0 } else { i as f32 })).collect();
+        let tree = LightTree::build(&lights);
+        let to = Receiver::default();
+        let step = tree.first_step(&to);
+        let chances: Vec<f32> = LightIndex::all(n).map(|light| tree.pmf(light, &to, &step)).collect();
+        assert!((chances[0] - 0.5).abs() < 1e-3 && (chances[1] - 0.5).abs() < 1e-3, "{chances:?}");
+        assert!((0..9).all(|i| tree.sample(&to, &step, i as f32 / 9.0).is_some()));
+    }
+}
+
 #[test]
 fn no_light_is_no_choice() {
     let tree = LightTree::build(&[]);

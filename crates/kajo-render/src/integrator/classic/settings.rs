@@ -63,7 +63,7 @@ pub const CLASSIC: IntegratorSpec = IntegratorSpec {
 
 /// What is said, and the defaults of the course or the usual ones where nothing is.
 fn said(context: &SettingsContext<'_>) -> ClassicSettings {
-    let &SettingsContext { said, scene, defaults, uv } = context;
+    let &SettingsContext { said, scene, defaults, uv, .. } = context;
     let is_course = defaults == Defaults::Classic;
     let (bounces, shadows, ray_offset) = match defaults {
         Defaults::Classic => (0, Shadows::Off, RayOffset::Reference),

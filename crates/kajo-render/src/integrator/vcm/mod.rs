@@ -34,9 +34,6 @@ use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, SamplesPerSta
 use crate::{Setup, SetupError, WithState};
 pub use settings::{VCM, VertexMergingSettings};
 
-/// The fewest and the most paths from lights for a pass, where they are to be as many as the paths from the camera.
-const PATHS: [u64; 2] = [10_000, 1_000_000];
-
 /// Pixels from the middle of a disk of the first pass to its rim.
 const FIRST_RADIUS: f32 = 2.5;
 
@@ -51,8 +48,6 @@ pub struct VertexMerging<'a, V = NoMedia> {
     connecting: Bidirectional<'a, V>,
     view: CameraView<'a>,
     settings: VertexMergingSettings,
-    /// Paths from lights for a pass.
-    paths: u32,
     /// Radius of the disks of the first pass.
     first_radius: f32,
 }
@@ -90,15 +85,13 @@ impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
             BidirectionalSettings { bounces, light_choice, roulette, spectral, only_from_lights: false };
         let view = CameraView::new(scene, camera, size, layers).spectral(spectral);
         let world = BoundingSphere::around(&scene.geometry.bounds());
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let paths = settings.photons.unwrap_or(pixels.clamp(PATHS[0], PATHS[1]) as u32);
         let first_radius = match settings.radius {
             _ if !settings.merging => 0.0,
             radius if radius > 0.0 => radius.min(world.radius),
-            _ => automatic_radius(&view, paths, &world),
+            _ => automatic_radius(&view, settings.photons, &world),
         };
         let connecting = Bidirectional::made(camera, scene, both, size, layers);
-        VertexMerging { connecting, view, settings, paths, first_radius }
+        VertexMerging { connecting, view, settings, first_radius }
     }
 
     /// How vertices are merged in pass `k`.
@@ -108,7 +101,7 @@ impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
         let moments = if self.view.scene.moves() { (FIRST_MOMENTS / share) as u32 } else { 1 };
         MergePass {
             k,
-            paths: self.paths,
+            paths: self.settings.photons,
             radius: self.first_radius * share,
             moments,
             wavelengths: self.view.wavelengths_of_pass(seed ^ WAVELENGTH_SALT, k),

@@ -15,8 +15,8 @@ use crate::{LayerSet, PixelIntegrator};
 pub struct VertexMergingSettings {
     /// Maximum number of scattering events of a path; 0 is direct illumination only.
     pub bounces: u32,
-    /// Paths from lights whose vertices are kept for a sample of all pixels, at least 1; `None` for about as many as there are pixels.
-    pub photons: Option<u32>,
+    /// Paths from lights whose vertices are kept for a sample of all pixels, at least 1.
+    pub photons: u32,
     /// Whether vertices are merged; without that it is the bidirectional integrator.
     pub merging: bool,
     /// Radius of the first disks in world units; 0 for one that suits the picture.
@@ -35,7 +35,7 @@ impl Default for VertexMergingSettings {
     fn default() -> VertexMergingSettings {
         VertexMergingSettings {
             bounces: 16,
-            photons: None,
+            photons: 100_000,
             merging: true,
             radius: 0.0,
             alpha: 0.75,
@@ -66,12 +66,17 @@ pub const VCM: IntegratorSpec = IntegratorSpec {
     settings,
 };
 
+/// As many paths from lights as from the camera, within bounds.
+fn as_many_as_pixels([width, height]: [u32; 2]) -> u32 {
+    width.saturating_mul(height).clamp(10_000, 1_000_000)
+}
+
 fn settings(context: &SettingsContext<'_>) -> IntegratorSettings {
     let (said, default) = (context.said, VertexMergingSettings::default());
     let bounces = bounces_from_both_ends(context.scene, default.bounces);
     IntegratorSettings::VertexMerging(VertexMergingSettings {
         bounces: said.bounces.unwrap_or(bounces),
-        photons: said.photons.or(default.photons),
+        photons: said.photons.unwrap_or_else(|| as_many_as_pixels(context.size)),
         merging: said.merging.unwrap_or(default.merging),
         radius: said.merge_radius.unwrap_or(default.radius),
         alpha: said.merge_alpha.unwrap_or(default.alpha),
@@ -95,7 +100,7 @@ impl Prepare for VertexMergingSettings {
     fn values(&self) -> Settings {
         Settings {
             bounces: Some(self.bounces),
-            photons: self.photons,
+            photons: Some(self.photons),
             merging: Some(self.merging),
             merge_radius: Some(self.radius),
             merge_alpha: Some(self.alpha),

@@ -55,7 +55,7 @@ fn mean_of(integrator: &dyn PixelIntegrator, samples: u32) -> Estimate {
 }
 
 fn with(photons: u32) -> VertexMergingSettings {
-    VertexMergingSettings { photons: Some(photons), bounces: 100, ..VertexMergingSettings::default() }
+    VertexMergingSettings { photons, bounces: 100, ..VertexMergingSettings::default() }
 }
 
 #[track_caller]
@@ -208,7 +208,7 @@ fn radii_shrink_as_they_should() {
 fn the_first_radius_follows_the_pixels() {
     let radius = |text: &str, side: u32| {
         let scene = scene(text);
-        let settings = VertexMergingSettings { photons: Some(10_000_000), ..with(1) };
+        let settings = VertexMergingSettings { photons: 10_000_000, ..with(1) };
         let camera = &scene.output.camera;
         VertexMerging::<NoMedia>::made(camera, &scene, settings, [side; 2], LayerSet::of(&[])).first_radius
     };
