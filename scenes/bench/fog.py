@@ -11,11 +11,11 @@ nothing: the lights of each program are scaled so that its picture has the mean 
 
 import argparse
 import pathlib
-import resource
-import subprocess
 import time
 
 import numpy as np
+import peers
+from peers import numbers
 
 EYE, TARGET, VIEW_ANGLE = (0, 1.6, 3.8), (0, 1.3, 0), 50
 ROOM = ((-3, 0, -3), (3, 3, 4))
@@ -30,14 +30,9 @@ LIGHTS = {
 }  # fmt: skip
 
 
-def numbers(values):
-    return " ".join(f"{v:g}" for v in values)
-
-
-class Kajo:
+class Kajo(peers.Kajo):
     def __init__(self, options, program):
-        self.options, self.program, self.name = options, program, pathlib.Path(program).name
-        self.file, self.out = options.folder / f"fog_{options.lights}.txt", options.folder / "fog.pfm"
+        self.samples = options.samples
         lights = [
             f"SpotLight {{ position {numbers(p)}  direction {numbers(d)}  angle {angle} innerAngle {angle}  intensity {i} }}"
             if angle
@@ -45,28 +40,17 @@ class Kajo:
             for p, d, angle, i in LIGHTS[options.lights]
         ]
         low, high = ROOM
-        self.file.write_text(
+        text = (
             f"PerspectiveCamera {{ center {numbers(EYE)}  direction {numbers(np.subtract(TARGET, EYE))}  up 0 1 0  angle {VIEW_ANGLE} }}\n"
             f"Background {{ color 0 0 0 }}\nMedia {{ Medium fog {{ sigma_s {SCATTERING}  sigma_a {ABSORPTION}  g {G} }}  exterior fog }}\n"
             f"Materials {{ Matte wall {{ color {ALBEDO} {ALBEDO} {ALBEDO} }} }}\nLights {{ {' '.join(lights)} }}\n"
             f"Group {{ MaterialIndex wall  Box {{ min {numbers(low)}  max {numbers(high)} }} }}\n"
         )
-
-    def render(self, samples, seed):
-        options = self.options
-        command = [self.program, "render", str(self.file), "-o", str(self.out), "--integrator", "path", "--bounces", str(options.bounces)]
-        command += ["--size", f"{options.size}x{options.size}", "--samples", "sobol", str(samples)]
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        subprocess.run([*command, "--seed", str(seed), "--threads", "1", "--quiet"], check=True)
-        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-        content = self.out.read_bytes().split(b"\n", 3)[3]
-        return np.frombuffer(content, "<f4").reshape(options.size, options.size, 3)[::-1].astype(float), seconds
+        arguments = ["--integrator", "path", "--bounces", options.bounces]
+        super().__init__(program, options.folder, f"fog_{options.lights}", options.size, text, arguments)
 
     def run(self, seed):
-        samples = self.options.samples
-        _, start = self.render(1, seed)
-        picture, seconds = self.render(samples, seed)
-        return picture, (seconds - start) * samples / (samples - 1)
+        return super().run(self.samples, seed)
 
 
 class Mitsuba:
@@ -196,16 +180,15 @@ def main():
     programs += [] if options.without_mitsuba else [Mitsuba(options)]
     programs += [] if options.without_cycles else [Cycles(options)]
     runs = [[program.run(seed) for program in programs] for seed in range(1, options.runs + 1)]
-    print("| program | squared error | of 99 % | seconds | error x s | of 99 % x s | mean as it came |\n|---|---|---|---|---|---|---|")
+    print(peers.HEADER)
     wanted = None
     for program, results in zip(programs, zip(*runs)):
         stack = np.stack([picture for picture, _ in results])
         mean = stack.mean()
         wanted = wanted or mean
         stack *= wanted / mean
-        errors, seconds = np.sort(stack.var(axis=0, ddof=1), axis=None), float(np.median([seconds for _, seconds in results]))
-        error, most = errors.mean(), errors[: -errors.size // 100].mean()
-        print(f"| {program.name} | {error:.3e} | {most:.3e} | {seconds:.2f} | {error * seconds:.3e} | {most * seconds:.3e} | {mean:.5f} |", flush=True)
+        seconds = float(np.median([seconds for _, seconds in results]))
+        print(peers.row(program.name, stack.var(axis=0, ddof=1), seconds, mean), flush=True)
 
 
 if __name__ == "__main__":

@@ -6,16 +6,16 @@
 
 The room and its balls are those of SmallVCM [Georgiev 2012] but for their sizes; its balls show caustics in mirrors and through glass, which nothing else finds under the point. One thread each, the
 programs take turns. The error is that of one picture against a picture of the same program with many more samples, relative to its squared mean, of all pixels and of all but the
-worst one in a hundred; seconds are of processor time, of kajo's whole run less that of one sample and of LuxCore's session. Each program has the merging radius that it chooses itself. Means are printed
+worst one in a hundred; seconds are of processor time, of kajo's whole run less that of one sample, and of LuxCore's session. Each program has the merging radius that it chooses itself. Means are printed
 because LuxCore's bidirectional engines show the room brighter than its own path tracer does, with which kajo agrees."""
 
 import argparse
 import pathlib
-import resource
-import subprocess
 import time
 
 import numpy as np
+import peers
+from peers import numbers
 
 EYE, VIEW_ANGLE = (0, 0, 3.9), 39.3077
 WHITE, RED, GREEN = (0.8, 0.8, 0.8), (0.8, 0.15, 0.1), (0.15, 0.6, 0.2)
@@ -32,19 +32,14 @@ WALLS = [
 ]
 
 
-def numbers(values):
-    return " ".join(f"{v:g}" for v in values)
-
-
 def light_edges():
     corner = np.subtract(LIGHT_CENTER, (LIGHT_HALF, 0, LIGHT_HALF))
     return corner, (2 * LIGHT_HALF, 0, 0), (0, 0, 2 * LIGHT_HALF)
 
 
-class Kajo:
+class Kajo(peers.Kajo):
     def __init__(self, options, program):
-        self.options, self.program, self.name = options, program, pathlib.Path(program).name
-        self.file, self.out = options.folder / f"vcm_{options.light}.txt", options.folder / "vcm.pfm"
+        self.samples = options.samples
         names = {WHITE: "white", RED: "red", GREEN: "green"}
         materials = " ".join(f"Matte {name} {{ color {numbers(color)} }}" for color, name in names.items())
         quads = " ".join(f"MaterialIndex {names[color]} Quad {{ corner {numbers(c)}  edge1 {numbers(a)}  edge2 {numbers(b)} }}" for c, a, b, color in WALLS)
@@ -53,26 +48,18 @@ class Kajo:
         is_point = options.light == "point"
         lights = f"Lights {{ PointLight {{ position {numbers(LIGHT_CENTER)}  intensity {INTENSITY} }} }}" if is_point else ""
         emitter = "" if is_point else f"MaterialIndex emitter Quad {{ corner {numbers(corner)}  edge1 {numbers(a)}  edge2 {numbers(b)} }}"
-        self.file.write_text(
+        text = (
             f"PerspectiveCamera {{ center {numbers(EYE)}  direction 0 0 -1  up 0 1 0  angle {VIEW_ANGLE} }}\nBackground {{ color 0 0 0 }}\n"
             f"Materials {{ {materials} Glass glass {{ indexOfRefraction {INDEX} }} Material mirror {{ diffuseColor 0 0 0  reflectiveColor {numbers([MIRROR] * 3)} }} "
             f"Matte emitter {{ color 0 0 0  emission {numbers([RADIANCE] * 3)}  emits front }} }}\n{lights}\n"
             f"Group {{ {quads} {emitter}\nMaterialIndex glass Sphere {{ center {numbers(glass)}  radius {glass_radius} }} "
             f"MaterialIndex mirror Sphere {{ center {numbers(mirror)}  radius {mirror_radius} }} }}\n"
         )
+        arguments = ["--integrator", "vcm", "--bounces", options.bounces, "--filter", "box", "1"]
+        super().__init__(program, options.folder, f"vcm_{options.light}", options.size, text, arguments)
 
-    def render(self, samples, seed):
-        options = self.options
-        command = [self.program, "render", str(self.file), "-o", str(self.out), "--integrator", "vcm", "--bounces", str(options.bounces)]
-        command += ["--size", f"{options.size}x{options.size}", "--samples", "sobol", str(samples), "--filter", "box", "1"]
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        subprocess.run([*command, "--seed", str(seed), "--threads", "1", "--quiet"], check=True)
-        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-        with open(self.out, "rb") as file:
-            file.readline()
-            width, height = map(int, file.readline().split())
-            order = "<f4" if float(file.readline()) < 0 else ">f4"
-            return seconds, np.frombuffer(file.read(), order).reshape(height, width, 3)[::-1].astype(float)
+    def run(self, seed):
+        return super().run(self.samples, seed)
 
 
 class LuxCore:
@@ -166,7 +153,10 @@ class LuxCore:
         session.Stop()
         buffer = np.empty(size * size * 3, np.float32)
         session.GetFilm().GetOutputFloat(self.core.FilmOutputType.RGB, buffer, 0)
-        return seconds, buffer.reshape(size, size, 3)[::-1].astype(float)
+        return buffer.reshape(size, size, 3)[::-1].astype(float), seconds
+
+    def run(self, seed):
+        return self.render(self.options.samples, seed)
 
 
 def main():
@@ -175,9 +165,9 @@ def main():
     parser.add_argument("--light", choices=["rectangle", "point"], default="rectangle")
     parser.add_argument("--kajo", action="append")
     parser.add_argument("--size", type=int, default=96)
-    parser.add_argument("--samples", type=int, default=32)
-    parser.add_argument("--reference", type=int, default=8, help="how many times as many samples a reference has")
-    parser.add_argument("--runs", type=int, default=4)
+    parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--reference", type=int, default=6, help="how many times as many samples a reference has")
+    parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--bounces", type=int, default=10)
     parser.add_argument("--without-luxcore", action="store_true")
     options = parser.parse_args()
@@ -185,19 +175,13 @@ def main():
     programs = [Kajo(options, program) for program in options.kajo or ["target/release/kajo"]]
     if not options.without_luxcore:
         programs.append(LuxCore(options))
-    runs = {program: [] for program in programs}
-    for seed in range(options.runs):
-        for program in programs:
-            runs[program].append(program.render(options.samples, seed + 1))
-    print("| program | squared error | of 99 % | seconds | error x s | of 99 % x s | mean as it came |\n|---|---|---|---|---|---|---|")
-    for program in programs:
-        reference = program.render(options.reference * options.samples, 100)[1]
-        start = program.render(1, 1)[0] if isinstance(program, Kajo) else 0
-        seconds = float(np.median([seconds for seconds, _ in runs[program]])) - start
-        errors = np.mean([((picture - reference) ** 2).mean(-1) for _, picture in runs[program]], axis=0).ravel() / reference.mean() ** 2
-        most = np.sort(errors)[: int(0.99 * errors.size)].mean()
-        row = [f"{errors.mean():.3e}", f"{most:.3e}", f"{seconds:.2f}", f"{errors.mean() * seconds:.3e}", f"{most * seconds:.3e}", f"{reference.mean():.5f}"]
-        print(f"| {program.name} | {' | '.join(row)} |", flush=True)
+    runs = [[program.run(seed) for program in programs] for seed in range(1, options.runs + 1)]
+    print(peers.HEADER)
+    for program, results in zip(programs, zip(*runs)):
+        reference, _ = program.render(options.reference * options.samples, 100)
+        errors = np.mean([((picture - reference) ** 2).mean(-1) for picture, _ in results], axis=0) / reference.mean() ** 2
+        seconds = float(np.median([seconds for _, seconds in results]))
+        print(peers.row(program.name, errors, seconds, reference.mean()), flush=True)
 
 
 if __name__ == "__main__":

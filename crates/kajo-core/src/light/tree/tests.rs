@@ -21,6 +21,20 @@ fn lights(n: u32) -> Vec<Option<LightBounds>> {
     (0..n).map(|i| (i % 97 != 96).then(|| light(i))).collect()
 }
 
+/// A point of light on the x axis.
+fn point(x: f32, power: f32) -> Option<LightBounds> {
+    let at = Vec3::new(x, 0.0, 0.0);
+    Some(LightBounds {
+        bounds: Aabb { min: at, max: at },
+        axis: Vec3::Z,
+        cos_spread: -1.0,
+        cos_reach: 0.0,
+        two_sided: false,
+        power,
+        is_inverse_square: true,
+    })
+}
+
 #[test]
 fn probabilities_agree_with_the_walk_and_sum_to_one() {
     let lights = lights(200);
@@ -68,19 +82,7 @@ fn what_can_send_light_is_never_ruled_out() {
 
 #[test]
 fn near_and_strong_lights_are_chosen_more_often() {
-    let at = |x: f32, power: f32| {
-        let bounds = Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x, 0.0, 0.0) };
-        Some(LightBounds {
-            bounds,
-            axis: Vec3::Z,
-            cos_spread: -1.0,
-            cos_reach: 0.0,
-            two_sided: false,
-            power,
-            is_inverse_square: true,
-        })
-    };
-    let tree = LightTree::build(&[at(0.0, 1.0), at(10.0, 1.0), at(20.0, 4.0), at(30.0, 0.0)]);
+    let tree = LightTree::build(&[point(0.0, 1.0), point(10.0, 1.0), point(20.0, 4.0), point(30.0, 0.0)]);
     let to = Receiver { p: Vec3::X, ..Receiver::default() };
     let chances: Vec<f32> =
         LightIndex::all(4).map(|light| tree.pmf(light, &to, &tree.first_step(&to))).collect();
@@ -92,20 +94,8 @@ fn near_and_strong_lights_are_chosen_more_often() {
 /// What two points of light send to the place of both of them is as much as there is.
 #[test]
 fn lights_at_the_receiver_are_chosen_alike() {
-    let at = |x: f32| {
-        let p = Vec3::new(x, 0.0, 0.0);
-        Some(LightBounds {
-            bounds: Aabb { min: p, max: p },
-            axis: Vec3::Z,
-            cos_spread: -1.0,
-            cos_reach: 0.0,
-            two_sided: false,
-            power: 1e10,
-            is_inverse_square: true,
-        })
-    };
     for n in [3, 20] {
-        let lights: Vec<_> = (0..n).map(|i| at(if i < 2 { 0.0 } else { i as f32 })).collect();
+        let lights: Vec<_> = (0..n).map(|i| point(if i < 2 { 0.0 } else { i as f32 }, 1e10)).collect();
         let tree = LightTree::build(&lights);
         let to = Receiver::default();
         let step = tree.first_step(&to);
@@ -113,6 +103,22 @@ fn lights_at_the_receiver_are_chosen_alike() {
         assert!((chances[0] - 0.5).abs() < 1e-3 && (chances[1] - 0.5).abs() < 1e-3, "{chances:?}");
         assert!((0..9).all(|i| tree.sample(&to, &step, i as f32 / 9.0).is_some()));
     }
+}
+
+/// Spot lights of which one alone shines on the receiver; the cone around two others has it in.
+#[test]
+fn a_light_that_shines_past_the_receiver_is_not_chosen() {
+    let spot = |x: f32, axis: Vec3| {
+        let at = Vec3::new(x, 2.0, 0.0);
+        let bounds = Aabb { min: at, max: at };
+        Some(LightBounds { bounds, axis, cos_spread: 1.0, cos_reach: 0.98, ..point(x, 1.0)? })
+    };
+    let [down, aside] = [spot(0.0, Vec3::NEG_Y), spot(1.0, Vec3::Z)];
+    let tree = LightTree::build(&[down, aside, spot(5.0, Vec3::X), spot(6.0, Vec3::NEG_X)]);
+    let to = Receiver::default();
+    let first = LightIndex::new(0).expect("an index");
+    assert_eq!(tree.pmf(first, &to, &tree.first_step(&to)), 1.0);
+    assert!((0..9).all(|i| tree.sample(&to, &tree.first_step(&to), i as f32 / 9.0).unwrap().light == first));
 }
 
 #[test]
@@ -152,19 +158,7 @@ fn probabilities_along_rays_agree_with_the_walk() {
 /// Of two lights alike, which a tree over many has in one group, the one that a ray passes closely is chosen.
 #[test]
 fn a_light_that_a_ray_passes_closely_is_chosen() {
-    let point = |x: f32| {
-        let at = Vec3::new(x, 0.0, 0.0);
-        Some(LightBounds {
-            bounds: Aabb { min: at, max: at },
-            axis: Vec3::Z,
-            cos_spread: -1.0,
-            cos_reach: 0.0,
-            two_sided: false,
-            power: 1.0,
-            is_inverse_square: true,
-        })
-    };
-    let tree = LightTree::build(&[point(0.0), point(1.0), point(-1.0), point(2.0)]);
+    let tree = LightTree::build(&[0.0, 1.0, -1.0, 2.0].map(|x| point(x, 1.0)));
     let along =
         RaySegment { o: Vec3::new(1e-3, 0.0, -3.0), d: Vec3::Z, length: 6.0, time: 0.0, extinction: 0.1 };
     let first = LightIndex::new(0).expect("an index");

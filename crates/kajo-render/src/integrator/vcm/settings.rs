@@ -15,7 +15,7 @@ use crate::{LayerSet, PixelIntegrator};
 pub struct VertexMergingSettings {
     /// Maximum number of scattering events of a path; 0 is direct illumination only.
     pub bounces: u32,
-    /// Paths from lights whose vertices are kept for a sample of all pixels, at least 1.
+    /// Paths from lights whose vertices are kept for a sample of all pixels, at least 1; a scene's settings ask for as many as there are pixels.
     pub photons: u32,
     /// Whether vertices are merged; without that it is the bidirectional integrator.
     pub merging: bool,
@@ -113,5 +113,19 @@ impl Prepare for VertexMergingSettings {
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         cut_off(scene, self.bounces).into_iter().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::as_many_as_pixels;
+
+    #[test]
+    fn there_are_as_many_paths_from_lights_as_pixels_within_bounds() {
+        assert_eq!(as_many_as_pixels([400, 300]), 120_000);
+        assert_eq!(
+            [[1, 1], [4000, 3000], [u32::MAX; 2]].map(as_many_as_pixels),
+            [10_000, 1_000_000, 1_000_000]
+        );
     }
 }
