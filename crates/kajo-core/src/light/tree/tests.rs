@@ -105,16 +105,16 @@ fn lights_at_the_receiver_are_chosen_alike() {
     }
 }
 
-/// Spot lights of which one alone shines on the receiver; the cone around two others has it in.
+/// Spot lights at one place, which are split in the order of the list: one alone shines on the receiver, and two that shine away from each
+/// other are a group that knows no direction.
 #[test]
 fn a_light_that_shines_past_the_receiver_is_not_chosen() {
-    let spot = |x: f32, axis: Vec3| {
-        let at = Vec3::new(x, 2.0, 0.0);
+    let spot = |axis: Vec3| {
+        let at = 2.0 * Vec3::Y;
         let bounds = Aabb { min: at, max: at };
-        Some(LightBounds { bounds, axis, cos_spread: 1.0, cos_reach: 0.98, ..point(x, 1.0)? })
+        Some(LightBounds { bounds, axis, cos_spread: 1.0, cos_reach: 0.98, ..point(0.0, 1.0)? })
     };
-    let [down, aside] = [spot(0.0, Vec3::NEG_Y), spot(1.0, Vec3::Z)];
-    let tree = LightTree::build(&[down, aside, spot(5.0, Vec3::X), spot(6.0, Vec3::NEG_X)]);
+    let tree = LightTree::build(&[Vec3::NEG_Y, Vec3::Z, Vec3::X, Vec3::NEG_X].map(spot));
     let to = Receiver::default();
     let first = LightIndex::new(0).expect("an index");
     assert_eq!(tree.pmf(first, &to, &tree.first_step(&to)), 1.0);
