@@ -65,8 +65,10 @@ pub(crate) struct Item {
 #[derive(Clone, Debug)]
 pub struct ItemBuffer {
     apex: Vec3,
-    slack: f32,
-    reach: f32,
+    /// How far rays may end from the apex, squared.
+    slack_squared: f32,
+    /// How far from the apex they may start, squared.
+    reach_squared: f32,
     /// By axis, and for each the positive direction first.
     faces: [Face; 6],
     cells: Vec<Cell>,
@@ -105,7 +107,8 @@ pub(crate) enum Between<'a> {
 }
 
 impl ItemBuffer {
-    /// A buffer around `apex`, or `None` when there is nothing to put in or the apex is not finite.
+    /// A buffer around `apex`, or `None` when there is nothing to put in, the apex is not finite, or squares of distances
+    /// leave the range of single precision.
     ///
     /// * `cells`: how many directions to tell apart, about; more where the bodies are many
     pub(crate) fn new(apex: Vec3, bodies: &[BufferedObject], cells: usize) -> Option<ItemBuffer> {
@@ -119,9 +122,12 @@ impl ItemBuffer {
         if !(extent > 0.0 && slack.is_finite()) {
             return None;
         }
+        let [slack_squared, reach_squared] = [0.5 * slack, REACH * extent].map(|v| (v * v) as f32);
+        if slack_squared < f32::MIN_POSITIVE || !reach_squared.is_finite() {
+            return None;
+        }
         let (faces, cells, items) = lists::around(center, bodies, slack, cells);
-        let (slack, reach) = (0.5 * slack as f32, (REACH * extent) as f32);
-        Some(ItemBuffer { apex, slack, reach, faces, cells, items })
+        Some(ItemBuffer { apex, slack_squared, reach_squared, faces, cells, items })
     }
 
     /// What a ray may meet, nearest first; `None` where that is too much for a list, or the ray does not start at
@@ -141,12 +147,12 @@ impl ItemBuffer {
     pub(crate) fn between(&self, ray: &Ray) -> Option<Between<'_>> {
         let from_apex = ray.o - self.apex;
         let miss = from_apex + ray.t_max * ray.d;
-        let close = miss.abs().max_element() <= self.slack && from_apex.abs().max_element() <= self.reach;
-        if !close {
+        let distance_squared = from_apex.length_squared();
+        if !(miss.length_squared() <= self.slack_squared && distance_squared <= self.reach_squared) {
             return None;
         }
         let Some(cell) = self.cell(from_apex) else { return Some(Between::Items(&[], 0.0)) };
-        let distance = from_apex.length();
+        let distance = distance_squared.sqrt();
         if distance > cell.hidden_beyond {
             return Some(Between::Blocked);
         }
@@ -170,9 +176,12 @@ impl ItemBuffer {
         let y = (v * inverse - face.start[1]) * face.scale[1];
         let side = face.side as f32;
         // Outside the window there is nothing, and no direction at all leads nowhere.
-        let within = x >= 0.0 && y >= 0.0 && x < side && y < side;
-        let place = || (face.first + y as u32 * face.side + x as u32) as usize;
-        if within { self.cells.get(place()) } else { None }
+        if !(x >= 0.0 && y >= 0.0 && x < side && y < side) {
+            return None;
+        }
+        // Sides are far below 2^31, and to signed numbers processors convert at once.
+        let [x, y] = [x, y].map(|v| v as i32 as u32);
+        self.cells.get((face.first + y * face.side + x) as usize)
     }
 
     /// The items of a cell, unless there are too many.

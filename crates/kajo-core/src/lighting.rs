@@ -92,12 +92,18 @@ impl Scene {
     /// The emission of an interaction against the ray that found it.
     ///
     /// * `d`: direction of that ray
-    #[inline]
+    #[inline(always)]
     pub fn surface_light(&self, at: &Interaction, d: Vec3, wavelengths: &Wavelengths) -> Option<LightHit> {
         // Nothing in nested instances has any.
         if !self.geometry.primitives.get(at.object.index())?.emits {
             return None;
         }
+        self.emitter_light(at, d, wavelengths)
+    }
+
+    /// [`Scene::surface_light`] of an object that emits light.
+    #[inline(never)]
+    fn emitter_light(&self, at: &Interaction, d: Vec3, wavelengths: &Wavelengths) -> Option<LightHit> {
         let (light, area) = self.lighting.sampler.area(&self.lighting.lights, at.object, at.hit.part)?;
         let radiance = match area.varied {
             None => area.emission.at(wavelengths),

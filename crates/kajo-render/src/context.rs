@@ -21,6 +21,7 @@ use std::fmt;
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::{SampleStream, Sampler};
 use kajo_math::Vec2;
+use kajo_math::rng::Key;
 
 use crate::{ChainCounts, RayCounters};
 
@@ -31,6 +32,8 @@ pub struct SampleContext<'a> {
     pub sampler: &'a Sampler,
     /// Seed of every random number.
     pub seed: u64,
+    /// The key of the seed.
+    key: Key,
     /// Index of the sample within its pixel.
     pub index: u32,
     /// The random numbers of the sample behind its place in the pixel.
@@ -55,6 +58,7 @@ impl<'a> SampleContext<'a> {
         SampleContext {
             sampler,
             seed,
+            key: Key::new(seed),
             index: 0,
             draws: SampleStream::new(sampler, seed, [0, 0], 0),
             rays: RayCounters::default(),
@@ -79,14 +83,14 @@ impl<'a> SampleContext<'a> {
     /// Makes ready for sample `index` of `pixel`, and says where it lies relative to the pixel's top left corner.
     #[inline]
     pub fn begin(&mut self, pixel: [u32; 2], index: u32) -> Vec2 {
-        self.begin_with(self.seed, pixel, index)
+        self.begin_with(self.key, pixel, index)
     }
 
-    /// As [`SampleContext::begin`] with another seed.
+    /// As [`SampleContext::begin`] with the key of another seed.
     #[inline]
-    pub(crate) fn begin_with(&mut self, seed: u64, pixel: [u32; 2], index: u32) -> Vec2 {
+    pub(crate) fn begin_with(&mut self, seed: Key, pixel: [u32; 2], index: u32) -> Vec2 {
         self.index = index;
-        self.draws = SampleStream::new(self.sampler, seed, pixel, index);
+        self.draws = SampleStream::with_key(self.sampler, seed, pixel, index);
         self.draws.film_position()
     }
 }

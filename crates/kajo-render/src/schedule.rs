@@ -22,7 +22,8 @@ mod stages;
 use std::{ops::Range, thread, time::Instant};
 
 use kajo_core::sampler::{Sampler, SamplerKind};
-use kajo_math::{Vec2, rng::mix};
+use kajo_math::Vec2;
+use kajo_math::rng::{Key, mix};
 use thiserror::Error;
 
 use crate::{
@@ -318,7 +319,7 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
     part.reset(&tile);
     let wants_auxiliary = part.spec().layers.wants_auxiliary();
     // The halves of a film are two renders with seeds of their own.
-    let halves = part.spec().halves.then(|| [ctx.seed, mix(ctx.seed)]);
+    let halves = part.spec().halves.then(|| [ctx.seed, mix(ctx.seed)].map(Key::new));
     let indices = unit.indices(ctx.sampler);
     let (mut untold, mut rays_told) = (0, ctx.rays.total());
     for y in tile.y0..tile.y1 {

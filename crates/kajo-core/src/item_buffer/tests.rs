@@ -123,6 +123,12 @@ fn other_rays_are_not_answered() {
     assert!(buffer.seen_along(&Ray::new(apex, ray.d)).is_some_and(<[Item]>::is_empty));
     assert!(ItemBuffer::new(apex, &[], 0).is_none());
     assert!(ItemBuffer::new(Vec3::new(f32::INFINITY, 0.0, 0.0), &bodies, 0).is_none());
+    // Where squares of distances are too small or too large.
+    for scale in [1e-20, 1e25] {
+        let bounds = Aabb { min: Vec3::splat(-scale), max: Vec3::splat(scale) };
+        let body = BufferedObject { bounds, sphere: None, ..bodies[0] };
+        assert!(ItemBuffer::new(scale * Vec3::Y, &[body], 0).is_none());
+    }
 }
 
 /// A thousand bodies in one direction are no list; what is behind a wall is in none.

@@ -52,7 +52,13 @@ impl<'a> SampleStream<'a> {
     /// Samples beyond the number of the sampler are good ones too: another pattern begins.
     #[inline]
     pub fn new(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32) -> SampleStream<'a> {
-        SampleStream::with_count(sampler, Key::new(seed), pixel, sample, sampler.samples)
+        SampleStream::with_key(sampler, Key::new(seed), pixel, sample)
+    }
+
+    /// The same from the key of a seed, which all samples under it share.
+    #[inline]
+    pub fn with_key(sampler: &'a Sampler, seed: Key, pixel: [u32; 2], sample: u32) -> SampleStream<'a> {
+        SampleStream::with_count(sampler, seed, pixel, sample, sampler.samples)
     }
 
     /// How many samples each pixel is given.

@@ -9,7 +9,7 @@ use kajo_math::{Aabb, Ray};
 
 use super::rarely;
 use crate::ids::ObjectId;
-use crate::item_buffer::{Between, ItemBuffer};
+use crate::item_buffer::{Between, Item, ItemBuffer};
 use crate::moving_tree::MovingTree;
 use crate::nested::{Leaf, Nested};
 
@@ -45,6 +45,21 @@ pub(super) trait Visitor {
 
     /// The same for an object in a nested instance.
     fn leaf(&mut self, leaf: &Leaf) -> bool;
+}
+
+/// Whether the visitor is content with any of the items up to a distance from their apex, of which there are few.
+#[inline(always)]
+fn any_item(items: &[Item], farthest: f32, visitor: &mut impl Visitor) -> bool {
+    // As `any` of an iterator this would not be compiled into its caller.
+    for item in items {
+        if item.near > farthest {
+            return false;
+        }
+        if visitor.object(item.object) {
+            return true;
+        }
+    }
+    false
 }
 
 impl Aggregate {
@@ -142,14 +157,16 @@ impl Aggregate {
     #[inline(always)]
     pub(super) fn any(&self, apex: Option<&ItemBuffer>, ray: &Ray, visitor: &mut impl Visitor) -> bool {
         let between = apex.and_then(|apex| apex.between(ray));
-        if matches!(between, Some(Between::Blocked)) || self.unbounded.iter().any(|&i| visitor.object(i)) {
+        if matches!(between, Some(Between::Blocked)) {
             return true;
         }
-        let found = match between {
-            Some(Between::Items(items, farthest)) => {
-                let mut nearer = items.iter().take_while(|item| item.near <= farthest);
-                nearer.any(|item| visitor.object(item.object))
+        for &object in &self.unbounded {
+            if visitor.object(object) {
+                return true;
             }
+        }
+        let found = match between {
+            Some(Between::Items(items, farthest)) => any_item(items, farthest, visitor),
             _ => self.resting.any(ray, |i| visitor.object(ObjectId::from_index(i))),
         };
         found

@@ -15,9 +15,9 @@ pub struct Checker;
 impl Checker {
     /// The number at a point of its own space.
     pub fn at(&self, q: Vec3) -> f32 {
-        let parity = |v: f32| (v as i64 % 2) + i64::from(v < 0.0);
-        let odd = (1 + parity(q.x) + parity(q.y) + parity(q.z)) % 2 != 0;
-        if odd { 0.0 } else { 1.0 }
+        let parity = |v: f32| v as i64 ^ i64::from(v < 0.0);
+        let is_even = (parity(q.x) ^ parity(q.y) ^ parity(q.z)) & 1 == 0;
+        if is_even { 0.0 } else { 1.0 }
     }
 }
 

@@ -183,7 +183,9 @@ impl<'a> Classic<'a> {
                     Branch { factor: Spectrum::WHITE, ..mirrored }
                 }
             };
-            (walk.ray, walk.path, walk.beta) = (branch.ray, branch.path, walk.beta * branch.factor);
+            let Branch { d, factor, path } = branch;
+            let ray = at.point.ray_towards(d, f32::INFINITY, walk.ray.time, self.settings.ray_offset);
+            (walk.ray, walk.path, walk.beta) = (ray, path, walk.beta * factor);
             hits = self.trace(&walk.ray, at);
         }
     }
@@ -214,11 +216,13 @@ impl<'a> Classic<'a> {
             }
         };
         let shading = self.scene.shading(at, 0.5);
+        let mut diffuse_n = None;
         if shading.leans {
             at.point.n = shading.normal(-ray.d);
+            diffuse_n = (shading.n != at.point.n).then_some(shading.n);
         }
         let carried = || (path.eta, *beta * self.fog_factor(ray, at.hit.t, path));
-        let mut local = self.shade(ray, at, phong, shading.n, observer, carried);
+        let mut local = self.shade(ray, at, phong, diffuse_n, observer, carried);
         let emitted = self.scene.surface_light(at, ray.d, &Wavelengths::RGB).map(|hit| hit.radiance);
         if let Some(emitted) = emitted {
             local += emitted;
@@ -236,14 +240,14 @@ impl<'a> Classic<'a> {
     /// Ambient light and every visible light, by the material's own model.
     ///
     /// * `phong`: of the material
-    /// * `diffuse_n`: unit normal of its diffuse part, whose tilt by a relief is not limited
+    /// * `diffuse_n`: unit normal of its diffuse part, where it is another one: its tilt by a relief is not limited
     /// * `carried`: index of refraction around the ray, and what becomes of light that leaves the surface along it
     fn shade(
         &self,
         ray: &Ray,
         at: &Interaction,
         phong: &Phong,
-        diffuse_n: Vec3,
+        diffuse_n: Option<Vec3>,
         observer: &mut impl PathObserver,
         carried: impl Fn() -> (f32, Spectrum),
     ) -> Spectrum {
@@ -252,12 +256,12 @@ impl<'a> Classic<'a> {
         if from_behind && !self.settings.shade_back {
             return light;
         }
-        let [n, diffuse_n] = [at.point.n, diffuse_n].map(|n| if from_behind { -n } else { n });
+        let facing = |n: Vec3| if from_behind { -n } else { n };
+        let (n, diffuse_n) = (facing(at.point.n), diffuse_n.map(facing));
         let (wo, highlight) = (-ray.d, self.settings.highlight);
-        let has_two_normals = diffuse_n != n;
-        let scattered = |wi: Vec3, light: Spectrum| match has_two_normals {
-            false => phong.shade(n, wo, wi, light, highlight),
-            true => phong.shade_with_two_normals(n, diffuse_n, wo, wi, light, highlight),
+        let scattered = |wi: Vec3, light: Spectrum| match diffuse_n {
+            None => phong.shade(n, wo, wi, light, highlight),
+            Some(diffuse_n) => phong.shade_with_two_normals(n, diffuse_n, wo, wi, light, highlight),
         };
         for (number, &(id, factor)) in self.emitters.iter().enumerate() {
             let Illumination { wi, distance, intensity } =
@@ -303,13 +307,20 @@ impl<'a> Classic<'a> {
             factor += phong.transparent * self.mirrored_share(ray, at, phong, path);
         }
         let path = self.after(factor, path)?;
-        Some(self.branch(ray, at, fresnel::reflect(ray.d, at.point.n), factor, path))
+        Some(Branch { d: fresnel::reflect(ray.d, at.point.n), factor, path })
     }
 
+    #[inline(always)]
     fn refracted(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &BranchState) -> Option<Branch> {
         if phong.transparent.is_black() || path.bounces_left == 0 {
             return None;
         }
+        self.refracted_by(ray, at, phong, path)
+    }
+
+    /// [`Classic::refracted`] by a material that lets light through.
+    #[inline(never)]
+    fn refracted_by(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &BranchState) -> Option<Branch> {
         let crossing = Crossing::of(ray, at, phong);
         let d = fresnel::refract(ray.d, crossing.n, crossing.eta_far / path.eta)?;
         let passing =
@@ -317,7 +328,7 @@ impl<'a> Classic<'a> {
         let factor = phong.transparent * passing;
         let beyond =
             BranchState { eta: crossing.eta_far, inside: crossing.enters, ..self.after(factor, path)? };
-        Some(self.branch(ray, at, d, factor, beyond))
+        Some(Branch { d, factor, path: beyond })
     }
 
     /// The share of the transmitted light that is mirrored instead.
@@ -343,12 +354,6 @@ impl<'a> Classic<'a> {
             return None;
         }
         Some(BranchState { bounces_left: path.bounces_left - 1, weight, ..*path })
-    }
-
-    /// A further ray from `at`.
-    fn branch(&self, ray: &Ray, at: &Interaction, d: Vec3, factor: Spectrum, path: BranchState) -> Branch {
-        let ray = at.point.ray_towards(d, f32::INFINITY, ray.time, self.settings.ray_offset);
-        Branch { ray, factor, path }
     }
 
     /// `behind` as it is seen through the fog along the first `t` of a ray.
@@ -380,9 +385,10 @@ impl<'a> Classic<'a> {
     }
 }
 
-/// A mirror or refracted ray to be followed.
+/// A mirror or refracted ray to be followed from the surface where it branched off.
 struct Branch {
-    ray: Ray,
+    /// Its direction.
+    d: Vec3,
     factor: Spectrum,
     path: BranchState,
 }

@@ -180,11 +180,12 @@ impl Path<'_> {
         let Some(ray) = self.view.ray(raster, &mut draws) else { return (PixelSample::default(), indirect) };
         let wavelengths = self.view.wavelengths(&mut draws);
         let media = self.view.media_around(&ray, &wavelengths);
-        let mut state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
-        state.differential = differential;
+        let state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
+        let mut path = CameraPath::new(state, &self.settings);
+        path.state.differential = differential;
         if self.carries_media {
-            state.carries_media = true;
-            state.lanes = LaneMis::new(&wavelengths, state.draws.next_1d());
+            path.state.carries_media = true;
+            path.state.lanes = LaneMis::new(&wavelengths, path.state.draws.next_1d());
         }
         observer.counters().camera += 1;
         let room = C::GUIDES || self.forks();
@@ -192,7 +193,7 @@ impl Path<'_> {
         let forks = forks.map_or_else(Vec::new, emptied);
         let mut tracer =
             PathTracer::new(&self.view, &self.settings, observer, indirect, forks).choosing(lights);
-        let (radiance, found) = tracer.run(CameraPath::new(state, &self.settings));
+        let (radiance, found) = tracer.run(path);
         if self.view.wants_albedo() {
             ctx.aux.albedo = in_white_light(found.albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
         }

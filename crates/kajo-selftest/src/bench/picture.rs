@@ -20,11 +20,12 @@ pub struct Timed {
 impl Timed {
     /// Mean red, green and blue.
     pub fn mean(&self) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for pixel in self.image.rgb_pixels() {
-            (0..3).for_each(|i| sum[i] += f64::from(pixel[i]));
-        }
-        sum.map(|s| s / self.image.rgb_pixels().len().max(1) as f64)
+        let pixels = self.image.rgb_pixels();
+        let n = pixels.len().max(1) as f64;
+        let add = |[r, g, b]: [f64; 3], p: [f32; 3]| {
+            [r + f64::from(p[0]), g + f64::from(p[1]), b + f64::from(p[2])]
+        };
+        pixels.fold([0.0; 3], add).map(|sum| sum / n)
     }
 }
 

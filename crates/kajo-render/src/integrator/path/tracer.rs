@@ -54,6 +54,7 @@ pub(in crate::integrator) struct CameraPath<'s> {
 }
 
 impl<'s> CameraPath<'s> {
+    #[inline(always)]
     pub fn new(state: PathState<'s>, settings: &PathSettings) -> CameraPath<'s> {
         CameraPath {
             state,

@@ -53,6 +53,7 @@ impl<'s> PathState<'s> {
     ///
     /// * `beta`: what the ray carries
     /// * `media`: around its start
+    #[inline(always)]
     pub fn new(
         ray: Ray,
         wavelengths: Wavelengths,
