@@ -82,6 +82,20 @@ pub struct SettingsContext<'a> {
     pub uv: bool,
 }
 
+impl SettingsContext<'_> {
+    /// Paths from lights for a pass, unless something else is said: so many for each pixel, but within [`PATHS_OF_PASS`].
+    ///
+    /// * `each`: at least 1
+    pub fn paths_for_pixels(&self, each: u32) -> u32 {
+        let [width, height] = self.size;
+        let [least, most] = PATHS_OF_PASS;
+        width.saturating_mul(height).saturating_mul(each).clamp(least, most)
+    }
+}
+
+/// The fewest and the most paths from lights for a pass whose number follows the size of the picture.
+const PATHS_OF_PASS: [u32; 2] = [10_000, 1_000_000];
+
 /// How often light is scattered by integrators that follow paths from the camera in a scene, unless something else is said: light leaves a
 /// dense body after hundreds of collisions, and some of it after thousands.
 ///

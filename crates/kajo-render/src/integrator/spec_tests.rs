@@ -107,3 +107,17 @@ fn the_values_of_settings_make_the_same_settings() {
         }
     }
 }
+
+#[test]
+fn paths_from_lights_follow_the_size_of_the_picture() {
+    let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 } Group { }";
+    let scene = scene_with(camera, &MemoryAssets::new());
+    let said = Settings::default();
+    let of = |size, each| {
+        let context =
+            SettingsContext { said: &said, scene: &scene, size, defaults: Defaults::Modern, uv: false };
+        context.paths_for_pixels(each)
+    };
+    assert_eq!([of([400, 300], 1), of([400, 300], 2)], [120_000, 240_000]);
+    assert_eq!([of([1, 1], 1), of([4000, 3000], 2), of([u32::MAX; 2], 2)], [10_000, 1_000_000, 1_000_000]);
+}

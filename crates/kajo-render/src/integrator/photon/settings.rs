@@ -41,6 +41,11 @@ impl Default for PhotonSettings {
     }
 }
 
+/// Paths from lights for each pixel that a pass of progressive photon mapping follows, unless something else is said.
+///
+/// With fewer the first disks are wider than pixels need, and the time goes into paths from the camera; with more there are few passes.
+const PHOTONS_PER_PIXEL: u32 = 2;
+
 /// Photon mapping.
 pub const PHOTON: IntegratorSpec = IntegratorSpec {
     name: IntegratorName("photon"),
@@ -78,7 +83,8 @@ pub const SPPM: IntegratorSpec = IntegratorSpec {
         SettingsKey::Spectral,
     ],
     settings: |context| {
-        let default = PhotonSettings { photons: 100_000, usage: None, ..default_in(context) };
+        let photons = context.paths_for_pixels(PHOTONS_PER_PIXEL);
+        let default = PhotonSettings { photons, usage: None, ..default_in(context) };
         IntegratorSettings::Photon(said(context, default))
     },
     ..PHOTON

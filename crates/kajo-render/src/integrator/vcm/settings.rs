@@ -66,17 +66,12 @@ pub const VCM: IntegratorSpec = IntegratorSpec {
     settings,
 };
 
-/// As many paths from lights as from the camera, within bounds.
-fn as_many_as_pixels([width, height]: [u32; 2]) -> u32 {
-    width.saturating_mul(height).clamp(10_000, 1_000_000)
-}
-
 fn settings(context: &SettingsContext<'_>) -> IntegratorSettings {
     let (said, default) = (context.said, VertexMergingSettings::default());
     let bounces = bounces_from_both_ends(context.scene, default.bounces);
     IntegratorSettings::VertexMerging(VertexMergingSettings {
         bounces: said.bounces.unwrap_or(bounces),
-        photons: said.photons.unwrap_or_else(|| as_many_as_pixels(context.size)),
+        photons: said.photons.unwrap_or_else(|| context.paths_for_pixels(1)),
         merging: said.merging.unwrap_or(default.merging),
         radius: said.merge_radius.unwrap_or(default.radius),
         alpha: said.merge_alpha.unwrap_or(default.alpha),
@@ -113,19 +108,5 @@ impl Prepare for VertexMergingSettings {
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         cut_off(scene, self.bounces).into_iter().collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::as_many_as_pixels;
-
-    #[test]
-    fn there_are_as_many_paths_from_lights_as_pixels_within_bounds() {
-        assert_eq!(as_many_as_pixels([400, 300]), 120_000);
-        assert_eq!(
-            [[1, 1], [4000, 3000], [u32::MAX; 2]].map(as_many_as_pixels),
-            [10_000, 1_000_000, 1_000_000]
-        );
     }
 }
