@@ -12,7 +12,7 @@
 //! [Mallett and Yuksel 2019]
 
 use crate::data::primaries::{BLUE, RED};
-use crate::observer::locate;
+use crate::observer::{FIRST_NM, LAST_NM, locate};
 use crate::{Spectrum, Wavelengths};
 
 /// Distance of the nodes in nm.
@@ -55,6 +55,12 @@ impl RgbBasis {
         self.primaries[0] * r + self.primaries[1] * g + self.primaries[2] * b
     }
 
+    /// The shares that red, green and blue have of a wavelength in nm: positive or zero, and 1 together.
+    /// Beyond the visible range they are as at its ends.
+    pub fn shares_at(nm: f32) -> [f32; 3] {
+        primaries_at(nm.clamp(FIRST_NM as f32, LAST_NM as f32))
+    }
+
     /// The radiance of linear sRGB: D65 through a filter of that colour.
     #[inline]
     pub fn emission(&self, rgb: [f32; 3]) -> Spectrum {
@@ -94,6 +100,8 @@ mod tests {
             assert!((primaries.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{i}: {primaries:?}");
         }
         assert_eq!(primaries_at(359.0), [0.0; 3]);
+        assert_eq!(RgbBasis::shares_at(200.0), primaries_at(360.0));
+        assert_eq!(RgbBasis::shares_at(1e5), primaries_at(830.0));
     }
 
     #[test]

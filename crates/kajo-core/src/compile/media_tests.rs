@@ -19,6 +19,7 @@ static FILES: LazyLock<MemoryAssets> = LazyLock::new(|| {
         .with("bytes.raw", [0, 255, 51, 102])
         .with("haze.txt", "# degrees, value\n0 30\n90, 0.5\n180 1\n")
         .with("back.txt", "180 1\n0 1\n")
+        .with("columns.txt", "# angle red green blue\n0 2 1 0\n180 0 1 2\n")
         .with("words.txt", "0 1\nback 2\n")
         .with("binary.txt", [0xff, 0xfe, 0x00])
         .with("cloud.vdb", cloud_vdb())
@@ -94,6 +95,11 @@ fn phase_functions_are_said_by_words_and_by_numbers() {
         ("phaseTable 0 2 180 0", "Table", 0.333),
         ("phaseAngle cosine phaseTable -1 0 1 7", "Table", 0.333),
         ("phase table phaseFile haze.txt", "Table", 0.6042),
+        ("phaseColors on phaseTable 0 2 3 4 180 0 0 0", "Table", 0.333),
+        ("phaseColors on phaseTable 0 2 1 0 180 0 1 1", "ColorTable", 0.0),
+        ("phaseWavelengths 500 600 phaseTable 0 2 3 180 0 0", "Table", 0.333),
+        ("phaseWavelengths 400 410 420 phaseFile columns.txt", "ColorTable", -0.3285),
+        ("phaseColors on phaseFile columns.txt", "ColorTable", 0.0),
     ] {
         let (scene, said) = media(&format!("Medium m {{ density 1 {text} }} exterior m"));
         let scene = scene.filter(|_| said.is_empty()).unwrap_or_else(|| panic!("{text}: {said:?}"));
@@ -106,6 +112,8 @@ fn phase_functions_are_said_by_words_and_by_numbers() {
         ("phase isotropic droplets 20", "`droplets` has no effect with this `phase`"),
         ("phase mie phaseTable 0 1 180 1", "`phaseTable` has no effect with this `phase`"),
         ("phaseAngle cosine", "`phaseAngle` has no effect without `phaseTable` or `phaseFile`"),
+        ("phaseColors on", "`phaseColors` has no effect without `phaseTable` or `phaseFile`"),
+        ("phaseWavelengths 500", "`phaseWavelengths` has no effect without `phaseTable` or `phaseFile`"),
     ] {
         let (scene, said) = media(&format!("Medium m {{ density 1 {text} }}"));
         assert!(scene.is_some() && said == [message], "{text}: {said:?}");
@@ -175,22 +183,50 @@ fn mistakes_are_named() {
         ("Medium m { density 1 droplets 51 }", "`droplets` must be at least 5 and at most 50, found 51"),
         ("Medium m { density 1 droplets 9 g 0.5 }", "`g` cannot stand beside `droplets`"),
         ("Medium m { density 1 phase table }", "`phase table` has no numbers"),
-        ("Medium m { density 1 phaseTable 0 1 90 }", "`phaseTable` takes pairs"),
+        (
+            "Medium m { density 1 phaseTable 0 1 90 }",
+            "`phaseTable`: rows are of an angle and a value: 3 numbers",
+        ),
+        (
+            "Medium m { density 1 phaseColors on phaseTable 0 1 1 1 90 1 }",
+            "`phaseTable`: rows are of an angle and 3 values: 6 numbers",
+        ),
+        (
+            "Medium m { density 1 phaseColors on phaseTable 0 1 1 1 90 1 -1 1 }",
+            "`phaseTable`: row 2, value 2: a value is finite and not negative",
+        ),
+        ("Medium m { density 1 phaseColors on phaseTable 0 1 0 1 90 1 0 1 }", "all values of column 2 are 0"),
+        (
+            "Medium m { density 1 phaseWavelengths 500 450 phaseTable 0 1 1 90 1 1 }",
+            "`phaseWavelengths`: wavelength 2: wavelengths are positive",
+        ),
+        (
+            "Medium m { density 1 phaseWavelengths 500 450 phaseTable 0 1 90 1 }",
+            "an angle and 2 values: 4 numbers",
+        ),
+        (
+            "Medium m { density 1 phaseWavelengths 450 500 phaseFile columns.txt }",
+            "cannot read `columns.txt`: line 2: expected an angle and 2 values, found `0 2 1 0`",
+        ),
+        (
+            "Medium m { density 1 phaseColors on phaseWavelengths 450 phaseTable 0 1 90 1 }",
+            "`phaseColors` cannot stand beside",
+        ),
         (
             "Medium m { density 1 phaseTable 0 1 }",
-            "at least two pairs of an angle and a value, and here is one",
+            "at least two rows of an angle and a value, and here is one",
         ),
-        ("Medium m { density 1 phaseTable 0 1 200 1 }", "pair 2: an angle is from 0 to 180 degrees"),
-        ("Medium m { density 1 phaseTable 90 1 0 1 }", "pair 2: angles, or their cosines, must increase"),
-        ("Medium m { density 1 phaseTable 0 1 180 -2 }", "pair 2: a value is finite and not negative"),
+        ("Medium m { density 1 phaseTable 0 1 200 1 }", "row 2: an angle is from 0 to 180 degrees"),
+        ("Medium m { density 1 phaseTable 90 1 0 1 }", "row 2: angles, or their cosines, must increase"),
+        ("Medium m { density 1 phaseTable 0 1 180 -2 }", "row 2: a value is finite and not negative"),
         ("Medium m { density 1 phaseTable 0 0 180 0 }", "all values are 0"),
-        ("Medium m { density 1 phaseAngle cosine phaseTable -1 1 2 1 }", "pair 2: a cosine is from -1 to 1"),
+        ("Medium m { density 1 phaseAngle cosine phaseTable -1 1 2 1 }", "row 2: a cosine is from -1 to 1"),
         (
             "Medium m { density 1 phaseTable 0 1 180 1 phaseFile haze.txt }",
             "`phaseTable` cannot stand beside",
         ),
         ("Medium m { density 1 phaseFile none.txt }", "cannot read `none.txt`: there is no such file"),
-        ("Medium m { density 1 phaseFile back.txt }", "cannot read `back.txt`: pair 2: angles"),
+        ("Medium m { density 1 phaseFile back.txt }", "cannot read `back.txt`: row 2: angles"),
         ("Medium m { density 1 phaseFile words.txt }", "`words.txt`: line 2: expected an angle and a value"),
         ("Medium m { density 1 phaseFile binary.txt }", "cannot read `binary.txt`: it is not text"),
         ("Medium m { density 1 scale -1 }", "at least 0"),

@@ -44,7 +44,7 @@ pub use heat::{Heat, REFERENCE_KELVIN};
 pub use homogeneous::HomogeneousMedium;
 pub use majorant::Majorants;
 pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
-pub use phase::{Phase, PhaseSample};
+pub use phase::{Phase, PhaseAtWavelengths, PhaseSample};
 pub use placed_voxels::{PlacedVoxels, affine};
 pub use sparse::SparseGridMedium;
 pub use subsurface::albedo_of;

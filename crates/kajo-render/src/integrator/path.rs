@@ -228,6 +228,8 @@ impl Path<'_> {
 #[cfg(test)]
 mod caustics_tests;
 #[cfg(test)]
+mod colored_phase_tests;
+#[cfg(test)]
 mod curved_tests;
 #[cfg(test)]
 mod emission_tests;

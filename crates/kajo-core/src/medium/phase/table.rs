@@ -16,6 +16,8 @@ use std::f64::consts::{PI, TAU};
 
 use kajo_math::fmath;
 
+use super::PhaseTableError;
+
 /// What the first number of an entry is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhaseAngle {
@@ -37,71 +39,6 @@ pub struct PhaseTable {
     mean_cosine: f32,
 }
 
-/// Why entries are no phase function. They are counted from 1.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PhaseTableError {
-    /// There is nothing to join by lines.
-    #[error("a phase function takes at least two pairs of an angle and a value, and here {}", counted(*.0))]
-    TooFew(usize),
-    /// Not the angle of a direction.
-    #[error("pair {0}: an angle is from 0 to 180 degrees")]
-    Angle(usize),
-    /// Not the cosine of an angle.
-    #[error("pair {0}: a cosine is from -1 to 1")]
-    Cosine(usize),
-    /// Not greater than the one before.
-    #[error("pair {0}: angles, or their cosines, must increase")]
-    Order(usize),
-    /// Negative, infinite or no number.
-    #[error("pair {0}: a value is finite and not negative")]
-    Value(usize),
-    /// No light goes anywhere.
-    #[error("all values are 0, so that no light goes anywhere")]
-    Black,
-    /// A line of text is not two numbers.
-    #[error("line {line}: expected an angle and a value, found `{found}`")]
-    Line {
-        /// Counted from 1.
-        line: usize,
-        /// The line, or its beginning.
-        found: String,
-    },
-}
-
-fn counted(pairs: usize) -> String {
-    match pairs {
-        0 => "are none".to_owned(),
-        1 => "is one".to_owned(),
-        n => format!("are {n}"),
-    }
-}
-
-/// Reads text of two columns: an angle, then a value, separated by blanks, a comma, a semicolon or a colon. Empty lines and what
-/// follows `#` do not count.
-///
-/// # Errors
-/// [`PhaseTableError::Line`].
-pub fn parse_phase_pairs(text: &str) -> Result<Vec<(f32, f32)>, PhaseTableError> {
-    let mut pairs = Vec::new();
-    for (i, line) in text.lines().enumerate() {
-        let content = line.split('#').next().unwrap_or("").trim();
-        if content.is_empty() {
-            continue;
-        }
-        let mut numbers = content
-            .split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | ':'))
-            .filter(|word| !word.is_empty())
-            .map(|word| word.parse::<f32>().ok());
-        match [numbers.next(), numbers.next(), numbers.next()] {
-            [Some(Some(angle)), Some(Some(value)), None] => pairs.push((angle, value)),
-            _ => {
-                return Err(PhaseTableError::Line { line: i + 1, found: content.chars().take(40).collect() });
-            }
-        }
-    }
-    Ok(pairs)
-}
-
 impl PhaseTable {
     /// The function through pairs of an angle and a value. Beyond the first and the last it is as it is there.
     ///
@@ -111,7 +48,7 @@ impl PhaseTable {
     /// [`PhaseTableError`].
     pub fn new(pairs: &[(f32, f32)], angle: PhaseAngle) -> Result<PhaseTable, PhaseTableError> {
         if pairs.len() < 2 {
-            return Err(PhaseTableError::TooFew(pairs.len()));
+            return Err(PhaseTableError::TooFew { rows: pairs.len(), columns: 1 });
         }
         for (i, &(at, value)) in pairs.iter().enumerate() {
             match angle {
@@ -122,7 +59,9 @@ impl PhaseTable {
                     return Err(PhaseTableError::Cosine(i + 1));
                 }
                 _ if i > 0 && at <= pairs[i - 1].0 => return Err(PhaseTableError::Order(i + 1)),
-                _ if !(value.is_finite() && value >= 0.0) => return Err(PhaseTableError::Value(i + 1)),
+                _ if !(value.is_finite() && value >= 0.0) => {
+                    return Err(PhaseTableError::Value { row: i + 1, column: 0 });
+                }
                 _ => {}
             }
         }
@@ -138,7 +77,7 @@ impl PhaseTable {
         if last.0 < 1.0 {
             points.push((1.0, last.1));
         }
-        normalized(&points).ok_or(PhaseTableError::Black)
+        normalized(&points).ok_or(PhaseTableError::Black(0))
     }
 
     /// The mean cosine.
@@ -149,11 +88,34 @@ impl PhaseTable {
     /// The value for the cosine of the angle by which light is turned.
     #[inline]
     pub fn at(&self, cos: f32) -> f32 {
+        self.value_at(self.locate(cos))
+    }
+
+    /// The piece that a cosine lies in, and its share of that, for all tables of the same cosines.
+    #[inline]
+    pub(super) fn locate(&self, cos: f32) -> (usize, f32) {
         let last = self.cos.len() - 1;
         let i = self.cos.partition_point(|&c| c <= cos).clamp(1, last);
         let width = self.cos[i] - self.cos[i - 1];
         let share = if width > 0.0 { ((cos - self.cos[i - 1]) / width).clamp(0.0, 1.0) } else { 0.0 };
+        (i, share)
+    }
+
+    /// The value at a place that [`PhaseTable::locate`] found.
+    #[inline]
+    pub(super) fn value_at(&self, (i, share): (usize, f32)) -> f32 {
         self.value[i - 1] + share * (self.value[i] - self.value[i - 1])
+    }
+
+    /// The same cosines with the values that `f` gives to each by its number; `None` where all of them are 0.
+    pub(super) fn revalued(&self, f: impl Fn(usize) -> f32) -> Option<PhaseTable> {
+        let points = self.cos.iter().enumerate().map(|(i, &cos)| (cos, f64::from(f(i))));
+        normalized(&points.collect::<Vec<_>>())
+    }
+
+    /// The values, per solid angle, at increasing cosines.
+    pub(super) fn values(&self) -> &[f32] {
+        &self.value
     }
 
     /// A cosine for `u` in [0, 1), which grows with it.
@@ -261,26 +223,19 @@ mod tests {
 
     #[test]
     fn what_is_no_phase_function_is_refused() {
-        assert_eq!(degrees(&[]), Err(PhaseTableError::TooFew(0)));
-        assert_eq!(degrees(&[(0.0, 1.0)]), Err(PhaseTableError::TooFew(1)));
+        assert_eq!(degrees(&[]), Err(PhaseTableError::TooFew { rows: 0, columns: 1 }));
+        assert_eq!(degrees(&[(0.0, 1.0)]), Err(PhaseTableError::TooFew { rows: 1, columns: 1 }));
         assert_eq!(degrees(&[(0.0, 1.0), (181.0, 1.0)]), Err(PhaseTableError::Angle(2)));
         assert_eq!(cosines(&[(-1.5, 1.0), (1.0, 1.0)]), Err(PhaseTableError::Cosine(1)));
         assert_eq!(cosines(&[(f32::NAN, 1.0), (1.0, 1.0)]), Err(PhaseTableError::Cosine(1)));
         assert_eq!(degrees(&[(90.0, 1.0), (0.0, 1.0)]), Err(PhaseTableError::Order(2)));
         assert_eq!(cosines(&[(0.0, 1.0), (0.0, 2.0)]), Err(PhaseTableError::Order(2)));
         for value in [-1.0, f32::NAN, f32::INFINITY] {
-            assert_eq!(degrees(&[(0.0, 1.0), (90.0, value)]), Err(PhaseTableError::Value(2)));
+            assert_eq!(
+                degrees(&[(0.0, 1.0), (90.0, value)]),
+                Err(PhaseTableError::Value { row: 2, column: 0 })
+            );
         }
-        assert_eq!(degrees(&[(0.0, 0.0), (180.0, 0.0)]), Err(PhaseTableError::Black));
-    }
-
-    #[test]
-    fn text_has_two_columns() {
-        let text = "# angle value\n0 30\n\n 90, 0.5 # sideways\n180;\t1e-1\n";
-        assert_eq!(parse_phase_pairs(text).unwrap(), [(0.0, 30.0), (90.0, 0.5), (180.0, 0.1)]);
-        for (text, line, found) in [("0 1\n5", 2, "5"), ("0 1 2", 1, "0 1 2"), ("\nangle 1", 2, "angle 1")] {
-            let expected = PhaseTableError::Line { line, found: found.to_owned() };
-            assert_eq!(parse_phase_pairs(text), Err(expected), "{text}");
-        }
+        assert_eq!(degrees(&[(0.0, 0.0), (180.0, 0.0)]), Err(PhaseTableError::Black(0)));
     }
 }

@@ -39,11 +39,15 @@ class Medium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (numbers in
-            groups of 2). Default: none.
-        phase_file: a file of such pairs, one on a line (file). Default: none.
-        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+        phase_table: rows of the angle by which light is turned and how much is (numbers).
+            Default: none.
+        phase_file: a file of such rows, one on a line (file). Default: none.
+        phase_angle: what the first number of each row is (cosine or degrees). Default:
             `degrees`.
+        phase_colors: whether the values of a row are three, of red, green and blue (on or off).
+            Default: off.
+        phase_wavelengths: wavelengths in nm, increasing, of which each row has a value (numbers
+            > 0). Default: none.
     """
 
     keyword = "Medium"
@@ -64,6 +68,8 @@ class Medium(MediumBlock):
         phase_table: Number | Vector | None = None,
         phase_file: File | None = None,
         phase_angle: Literal["cosine", "degrees"] | None = None,
+        phase_colors: bool | None = None,
+        phase_wavelengths: Number | Vector | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.sigma_a = sigma_a
@@ -79,6 +85,8 @@ class Medium(MediumBlock):
         self.phase_table = phase_table
         self.phase_file = phase_file
         self.phase_angle = phase_angle
+        self.phase_colors = phase_colors
+        self.phase_wavelengths = phase_wavelengths
 
 
 class GridMedium(MediumBlock):
@@ -120,11 +128,15 @@ class GridMedium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (numbers in
-            groups of 2). Default: none.
-        phase_file: a file of such pairs, one on a line (file). Default: none.
-        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+        phase_table: rows of the angle by which light is turned and how much is (numbers).
+            Default: none.
+        phase_file: a file of such rows, one on a line (file). Default: none.
+        phase_angle: what the first number of each row is (cosine or degrees). Default:
             `degrees`.
+        phase_colors: whether the values of a row are three, of red, green and blue (on or off).
+            Default: off.
+        phase_wavelengths: wavelengths in nm, increasing, of which each row has a value (numbers
+            > 0). Default: none.
     """
 
     keyword = "GridMedium"
@@ -157,6 +169,8 @@ class GridMedium(MediumBlock):
         phase_table: Number | Vector | None = None,
         phase_file: File | None = None,
         phase_angle: Literal["cosine", "degrees"] | None = None,
+        phase_colors: bool | None = None,
+        phase_wavelengths: Number | Vector | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.file = file
@@ -184,6 +198,8 @@ class GridMedium(MediumBlock):
         self.phase_table = phase_table
         self.phase_file = phase_file
         self.phase_angle = phase_angle
+        self.phase_colors = phase_colors
+        self.phase_wavelengths = phase_wavelengths
 
 
 class FunctionMedium(MediumBlock):
@@ -207,11 +223,15 @@ class FunctionMedium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (numbers in
-            groups of 2). Default: none.
-        phase_file: a file of such pairs, one on a line (file). Default: none.
-        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+        phase_table: rows of the angle by which light is turned and how much is (numbers).
+            Default: none.
+        phase_file: a file of such rows, one on a line (file). Default: none.
+        phase_angle: what the first number of each row is (cosine or degrees). Default:
             `degrees`.
+        phase_colors: whether the values of a row are three, of red, green and blue (on or off).
+            Default: off.
+        phase_wavelengths: wavelengths in nm, increasing, of which each row has a value (numbers
+            > 0). Default: none.
     """
 
     keyword = "FunctionMedium"
@@ -236,6 +256,8 @@ class FunctionMedium(MediumBlock):
         phase_table: Number | Vector | None = None,
         phase_file: File | None = None,
         phase_angle: Literal["cosine", "degrees"] | None = None,
+        phase_colors: bool | None = None,
+        phase_wavelengths: Number | Vector | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.function = function
@@ -254,6 +276,8 @@ class FunctionMedium(MediumBlock):
         self.phase_table = phase_table
         self.phase_file = phase_file
         self.phase_angle = phase_angle
+        self.phase_colors = phase_colors
+        self.phase_wavelengths = phase_wavelengths
 
 
 class TextureMedium(MediumBlock):
@@ -278,11 +302,15 @@ class TextureMedium(MediumBlock):
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
         droplets: mean diameter of the droplets of fog or a cloud (number from 5 to 50, µm).
             Default: 20 for `mie`.
-        phase_table: pairs of the angle by which light is turned and how much is (numbers in
-            groups of 2). Default: none.
-        phase_file: a file of such pairs, one on a line (file). Default: none.
-        phase_angle: what the first number of each pair is (cosine or degrees). Default:
+        phase_table: rows of the angle by which light is turned and how much is (numbers).
+            Default: none.
+        phase_file: a file of such rows, one on a line (file). Default: none.
+        phase_angle: what the first number of each row is (cosine or degrees). Default:
             `degrees`.
+        phase_colors: whether the values of a row are three, of red, green and blue (on or off).
+            Default: off.
+        phase_wavelengths: wavelengths in nm, increasing, of which each row has a value (numbers
+            > 0). Default: none.
     """
 
     keyword = "TextureMedium"
@@ -306,6 +334,8 @@ class TextureMedium(MediumBlock):
         phase_table: Number | Vector | None = None,
         phase_file: File | None = None,
         phase_angle: Literal["cosine", "degrees"] | None = None,
+        phase_colors: bool | None = None,
+        phase_wavelengths: Number | Vector | None = None,
     ) -> None:
         super().__init__(*children, name=name)
         self.texture = texture
@@ -324,6 +354,8 @@ class TextureMedium(MediumBlock):
         self.phase_table = phase_table
         self.phase_file = phase_file
         self.phase_angle = phase_angle
+        self.phase_colors = phase_colors
+        self.phase_wavelengths = phase_wavelengths
 
 
 class GradientIndex(MediumBlock):

@@ -248,17 +248,19 @@ impl Subpath<'_> {
         observer: &mut impl PathObserver,
     ) -> bool {
         let state = &mut self.state;
-        let sample = at.phase.sample(at.wo, state.draws.next_2d());
-        follow_phase(state, at, sample.wi, observer);
+        let sample = at.phase.sample(at.wo, state.draws.next_2d(), state.lanes.hero);
+        follow_phase(state, at, sample, observer);
+        // Densities of directions stand in `pdf` alone, as means over the lanes.
+        state.lanes.r_l = state.lanes.r_u;
         state.lanes.sigma_t_from = state.lanes.sigma_t;
         self.last = LastVertex {
             p: at.p,
-            pdf: sample.pdf,
+            pdf: sample.value.pdf,
             is_parallel: false,
             cosine: 1.0,
             eta: state.media.eta(),
             // Phase functions are symmetric.
-            pdf_back: sample.pdf,
+            pdf_back: sample.value.pdf,
             mis: vertex.mis,
         };
         let bounces = state.scatterings;

@@ -22,7 +22,7 @@ use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{LightPoint, Receiver};
-use kajo_core::medium::Phase;
+use kajo_core::medium::PhaseAtWavelengths;
 use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
@@ -62,7 +62,7 @@ pub struct Vertex<'s, V = NoMedia> {
 impl<'s, V: Volume<'s>> Vertex<'s, V> {
     /// Phase function at the vertex, if it is in a medium.
     #[inline(always)]
-    pub fn phase(&self) -> Option<&'s Phase> {
+    pub fn phase(&self) -> Option<PhaseAtWavelengths<'s>> {
         self.volume.with_media()?.phase
     }
 
@@ -100,7 +100,7 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
     /// Scattering of light from `wi` back along a path from the camera, with the cosine of `wi`.
     pub fn gathered(&self, wi: Vec3) -> Spectrum {
         if let Some(phase) = self.phase() {
-            return Spectrum::grey(phase.eval(self.wo, wi));
+            return phase.eval(self.wo, wi).value();
         }
         let local = self.local(self.wo);
         let bumped = local.bumped(&self.bsdf);
@@ -112,7 +112,7 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
     /// Scattering of light of a path from the light to `wo`, with the cosine of `wo`.
     pub fn passed_on(&self, wo: Vec3) -> Spectrum {
         if let Some(phase) = self.phase() {
-            return Spectrum::grey(phase.eval(self.wo, wo));
+            return phase.eval(self.wo, wo).value();
         }
         let local = self.local(wo);
         let Some(wi) = local.to_local(self.wo) else { return Spectrum::BLACK };
@@ -132,7 +132,7 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
     /// Density per solid angle with which a path that comes from `from` goes on to `to`.
     pub fn pdf(&self, from: Vec3, to: Vec3) -> f32 {
         if let Some(phase) = self.phase() {
-            return phase.eval(from, to);
+            return phase.eval(from, to).pdf;
         }
         let local = self.local(from);
         let bumped = local.bumped(&self.bsdf);

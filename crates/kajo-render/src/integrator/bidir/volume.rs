@@ -21,7 +21,7 @@
 use std::fmt;
 
 use kajo_color::Spectrum;
-use kajo_core::medium::Phase;
+use kajo_core::medium::PhaseAtWavelengths;
 
 use super::partial_mis::Growth;
 use crate::integrator::transport::{MediumStack, PathState};
@@ -66,7 +66,7 @@ impl<'a> Volume<'a> for NoMedia {
 #[derive(Clone, Copy, Debug)]
 pub struct WithMedia<'a> {
     /// Phase function at the vertex, if it is in a medium.
-    pub phase: Option<&'a Phase>,
+    pub phase: Option<PhaseAtWavelengths<'a>>,
     /// Extinction per unit length at a vertex in a medium, the mean over the lanes; 1 at surfaces.
     pub sigma_t: f32,
     /// Densities of the path to the vertex by lanes, as [`crate::integrator::transport::LaneMis::r_u`].

@@ -22,7 +22,7 @@ fn filled(view: &str, medium: &str, rest: &str) -> Scene {
 }
 
 /// A camera that sees along a line, and a sky of the radiance 1.
-fn under_a_white_sky(from: [f32; 3], to: [f32; 3]) -> String {
+pub(super) fn under_a_white_sky(from: [f32; 3], to: [f32; 3]) -> String {
     camera(from, to).replace("color 0 0 0", "color 1 1 1")
 }
 

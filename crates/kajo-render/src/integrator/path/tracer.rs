@@ -22,9 +22,9 @@ use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
     DrawnLight, EquiangularRay, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState,
-    SurfaceInteraction, advance, choose_light, connect, connect_through_media, follow, follow_phase, leave,
-    light_of_choice, pass_straight, power_heuristic, sample_light, shade, sky_footprint, survives,
-    survives_guided, survives_in_medium,
+    SurfaceInteraction, advance, choose_light, connect, connect_through_media, follow, follow_phase,
+    lane_densities, leave, light_of_choice, pass_straight, power_heuristic, sample_light, shade,
+    sky_footprint, survives, survives_guided, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
@@ -543,7 +543,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         if state.carries_media {
             let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, towards);
             let (carried, media) = (state.beta * scattered, *media);
-            let joined = Joined { receiver, segment, media, carried, pdf_by_scattering };
+            let joined = Joined { receiver, segment, media, carried, pdf_by_scattering, densities: None };
             return self.add_light_through_media(path, &DrawnLight { light, li, pdf }, joined);
         }
         let carried = state.beta * scattered * media.transmittance(segment.length());
@@ -600,6 +600,8 @@ struct Joined {
     carried: Spectrum,
     /// Density per solid angle with which the path itself would have gone there.
     pdf_by_scattering: f32,
+    /// Densities of the lanes over that, where they differ.
+    densities: Option<Spectrum>,
 }
 
 /// Vertices in media.
@@ -633,11 +635,11 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         if path.ends_at_lights && settings.technique == Technique::Lights {
             return false;
         }
-        let sample = at.phase.sample(at.wo, path.state.draws.next_2d());
-        follow_phase(&mut path.state, at, sample.wi, self.observer);
+        let sample = at.phase.sample(at.wo, path.state.draws.next_2d(), path.state.lanes.hero);
+        follow_phase(&mut path.state, at, sample, self.observer);
         path.receiver = receiver;
         path.collided = path.along.map(|along| (along, at.length));
-        path.pdf = sample.pdf;
+        path.pdf = sample.value.pdf;
         path.bounces += 1;
         survives_in_medium(&mut path.state, at, path.bounces, settings.roulette, self.gain())
     }
@@ -670,8 +672,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             receiver: *receiver,
             segment,
             media: state.media,
-            carried: state.beta * scattered,
-            pdf_by_scattering: scattered,
+            carried: state.beta * scattered.value(),
+            pdf_by_scattering: scattered.pdf,
+            densities: scattered.colors.map(lane_densities),
         };
         let lights = self.lights;
         let share =
@@ -688,7 +691,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn add_light_through_media(&mut self, path: &mut CameraPath<'s>, drawn: &DrawnLight, joined: Joined) {
         let (scene, state) = (self.scene(), &mut path.state);
         let &DrawnLight { light, li, pdf } = drawn;
-        let Joined { receiver, segment, media, carried, pdf_by_scattering } = joined;
+        let Joined { receiver, segment, media, carried, pdf_by_scattering, densities } = joined;
         let passage = connect_through_media(scene, &segment, media, Joining::from(state), self.observer);
         self.observer.light_drawn(&receiver, light, || !passage.t.is_black());
         let about = || About {
@@ -696,7 +699,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             weight: sensor::to_rgb(carried, &state.wavelengths),
             light: Some(scene.lighting.sampler.id(light)),
         };
-        let [by_light, by_scattering] = [passage.r_l, passage.r_u].map(|r| state.mean(r));
+        let r_u = densities.map_or(passage.r_u, |densities| passage.r_u * densities);
+        let [by_light, by_scattering] = [passage.r_l, r_u].map(|r| state.mean(r));
         if passage.t.is_black() || by_light <= 0.0 {
             self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
             return;

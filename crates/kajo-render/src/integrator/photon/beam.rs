@@ -19,7 +19,7 @@
 use std::f32::consts::PI;
 
 use kajo_color::Spectrum;
-use kajo_core::medium::Coefficients;
+use kajo_core::medium::PhaseAtWavelengths;
 use kajo_core::scene::Scene;
 use kajo_core::space::Space;
 
@@ -30,7 +30,7 @@ use crate::integrator::transport::{PathState, scattering_medium};
 pub struct QueryBeam<'a, 's> {
     /// The path at its start.
     pub start: PathState<'s>,
-    coefficients: &'a Coefficients,
+    phase: PhaseAtWavelengths<'a>,
     sigma_s: Spectrum,
     /// What is lost on the way, per unit length: to the medium, and to the body that it fills.
     loss: Spectrum,
@@ -47,7 +47,8 @@ impl<'a, 's> QueryBeam<'a, 's> {
         let sigma_s = coefficients.sigma_s(&path.wavelengths);
         let sigma_t = sigma_s + coefficients.sigma_a(&path.wavelengths);
         let loss = sigma_t + path.media.absorption().unwrap_or(Spectrum::BLACK);
-        Some(QueryBeam { start: *path, coefficients, sigma_s, loss })
+        let phase = coefficients.phase().at(&path.wavelengths);
+        Some(QueryBeam { start: *path, phase, sigma_s, loss })
     }
 
     /// What a photon of the power `Φ` adds to the radiance at the start of the ray: `T sigma_s p Φ / (pi r^2)`.
@@ -55,8 +56,9 @@ impl<'a, 's> QueryBeam<'a, 's> {
     /// * `t`: parameter of the point of the ray that is nearest to it
     /// * `r`: radius of the cylinder there
     pub fn scattered(&self, photon: &Photon, t: f32, r: f32) -> Spectrum {
-        let phase = self.coefficients.phase().eval(-self.start.ray.d, photon.wi());
+        let phase = self.phase.eval(-self.start.ray.d, photon.wi());
         // [Jarosz et al. 2008, eq. 13]
-        (self.loss * -t).exp() * self.sigma_s * photon.power() * (phase / (PI * r * r))
+        let scattered = (self.loss * -t).exp() * self.sigma_s * photon.power() * (phase.pdf / (PI * r * r));
+        phase.colors.map_or(scattered, |colors| scattered * colors)
     }
 }

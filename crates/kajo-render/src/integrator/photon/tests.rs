@@ -238,6 +238,7 @@ fn check_room_of(medium: &str, bias: f64) {
 fn fog_without_absorption_leaves_an_emissive_room_as_bright_as_it_was() {
     let media = [
         "Medium fog { sigma_s 0.3 1 3  g 0.6 }",
+        "Medium fog { sigma_s 0.3 1 3  phaseColors on phaseTable 0 5 3 0  90 0.3 0.5 1  180 0.5 0.9 2 }",
         "FunctionMedium fog { function = 1 + x * y  sigma_s 3 2 1 }",
     ];
     for medium in media {
@@ -281,7 +282,8 @@ fn a_small_light_in_fog_is_as_bright_as_paths_find_it() {
 fn photons_in_media_and_paths_agree() {
     let text = format!(
         "{} Media {{ Medium air {{ sigma_s 0.2 0.15 0.1  sigma_a 0.05  g 0.3 }}
-                     FunctionMedium cloud {{ function = 1.5 + x  sigma_s 1 2 1.5  sigma_a 0.2 0.1 0.3 }}  exterior air }}
+                     FunctionMedium cloud {{ function = 1.5 + x  sigma_s 1 2 1.5  sigma_a 0.2 0.1 0.3
+                        phaseColors on phaseTable 0 5 3 0  90 0.3 0.5 1  180 0.5 0.9 2 }}  exterior air }}
          Materials {{ Matte wall {{ color 0.6 0.5 0.4 }}  Matte emitter {{ color 0 0 0 emission 5 5 5 emits front }}
                       Glass glass {{ }}  Interface body {{ medium cloud }} }}
          Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}

@@ -42,7 +42,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
-use kajo_core::medium::{Coefficients, Heat, Majorants, MediumId, Phase};
+use kajo_core::medium::{Coefficients, Heat, Majorants, MediumId, PhaseAtWavelengths};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
@@ -62,7 +62,7 @@ pub struct MediumInteraction<'a> {
     /// Unit direction back along the path.
     pub wo: Vec3,
     /// Phase function there.
-    pub phase: &'a Phase,
+    pub phase: PhaseAtWavelengths<'a>,
     /// Length along the path since the last event.
     pub length: f32,
     /// Moment within the shutter interval.
@@ -127,6 +127,24 @@ impl PathState<'_> {
         self.wavelengths.mean(densities)
     }
 
+    /// Multiplies the weight of a path, and its densities by free paths, by the values of a phase function that differ between lanes.
+    ///
+    /// Each lane might have drawn the direction, as each might have drawn the distances, with `p_i` where `p` is their mean:
+    ///
+    /// ```text
+    /// beta *= p_i / p,    r_u *= p_i / p,    r_l unchanged
+    /// ```
+    ///
+    /// Light drawn for the vertex knows nothing of the direction, so neither does [`LaneMis::r_l`]; the density that is
+    /// weighed with `r_u` is `p`.
+    ///
+    /// * `colors`: `p_i / p`, see [`kajo_core::medium::phase::PhaseValue`]
+    pub(super) fn turn_by_lanes(&mut self, colors: Spectrum) {
+        self.beta *= colors;
+        self.lanes.r_u *= lane_densities(colors);
+        self.normalize_lanes();
+    }
+
     /// Follows the hero's wavelength alone from here on, where paths of the others would take other directions.
     pub fn end_secondary_wavelengths(&mut self) {
         self.wavelengths.terminate_secondary();
@@ -134,6 +152,16 @@ impl PathState<'_> {
             self.normalize_lanes();
         }
     }
+}
+
+/// Densities of a direction by lanes, over their mean.
+///
+/// A lane that sends nothing there keeps a density that rounding hides in means over the lanes: else its part in the ratio
+/// of `r_u` and `r_l` would be lost on all later segments, where paths from the other end have it.
+///
+/// * `colors`: values by lanes over their mean, see [`kajo_core::medium::phase::PhaseValue`]
+pub fn lane_densities(colors: Spectrum) -> Spectrum {
+    colors.map(|share| share.max(1e-7))
 }
 
 /// A medium along a ray, at the wavelengths of a path.
@@ -501,7 +529,7 @@ pub(super) fn scattered_at<'a>(
     MediumInteraction {
         p,
         wo: -ray.d,
-        phase: coefficients.phase(),
+        phase: coefficients.phase().at(&path.wavelengths),
         length: at,
         time: ray.time,
         is_subsurface: coefficients.is_subsurface(),

@@ -113,7 +113,7 @@ impl EquiangularRay {
         let drawn = chosen.probability * span.pdf(t);
         let collided = self.pdf_of_collision(scene, light, t, by);
         let coefficients = scattering_medium(scene, start)?;
-        let scattered = coefficients.phase().eval(-self.segment.d, li.wi);
+        let scattered = coefficients.phase().at(&start.wavelengths).eval(-self.segment.d, li.wi).value();
         let absorbed = start.media.transmittance(t) * (self.sigma_t * -t).exp();
         let carried = start.beta * absorbed * coefficients.sigma_s(&start.wavelengths) * scattered;
         if drawn <= 0.0 || li.radiance.is_black() || carried.is_black() {

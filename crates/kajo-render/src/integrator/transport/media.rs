@@ -1,24 +1,28 @@
 //! The steps of a path in scenes with participating media.
 
 use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::medium::PhaseSample;
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
-use kajo_math::{Ray, Vec3, robust::offset_origin};
+use kajo_math::{Ray, robust::offset_origin};
 
 use super::steps::MOST_SURFACES;
 use super::{MediumInteraction, MediumStack, Passage, PathState};
 use crate::trail::{PathObserver, RayKind};
 
-/// Goes on along a direction drawn by the phase function, whose value over its density is 1.
+/// Goes on along a direction drawn by the phase function, whose value over its density is 1 in the lane that drew it.
 pub fn follow_phase(
     path: &mut PathState<'_>,
     at: &MediumInteraction<'_>,
-    wi: Vec3,
+    PhaseSample { wi, value }: PhaseSample,
     observer: &mut impl PathObserver,
 ) {
     observer.next(RayKind::Scattered);
     path.connectable = true;
     path.lanes.r_l = path.lanes.r_u;
+    if let Some(colors) = value.colors {
+        path.turn_by_lanes(colors);
+    }
     if let Some(differential) = &mut path.differential {
         let (d, t) = (path.ray.d, at.p.distance(path.ray.o));
         *differential = differential.transferred(d, t, d).scattered(wi).usable();

@@ -49,7 +49,7 @@ mod path_state;
 pub mod steps;
 
 pub use arrival::{TracedSegment, arrive};
-pub use collisions::{MediumInteraction, Passage};
+pub use collisions::{MediumInteraction, Passage, lane_densities};
 pub use differentials::{leave, sky_footprint};
 pub use equiangular::{EquiangularRay, scattering_medium};
 pub use frequency::radiance_factor;

@@ -43,6 +43,10 @@ fn all_ways_through_media_are_one() {
     let bodies = format!("{BODY} MaterialIndex other Box {{ min -0.3 -0.9 -0.9  max 0.9 0.3 0.5 }}");
     let materials = "Interface body { medium m } Interface other { medium n }";
     check_ways_within(&room(&three, materials, CEILING, &bodies), 1, 6000, 0.2);
+    // A column for each colour, one of which sends nothing straight on.
+    let columns = "phaseColors on  phaseTable 0 5 3 0  40 2 2 1  90 0.3 0.5 1  180 0.5 0.9 2";
+    let colored = format!("{GRID} sigma_s 1 1.5 2 sigma_a 0.3 {columns} }}");
+    check_ways_within(&room(&colored, body, CEILING, BODY), 1, 6000, 0.2);
 }
 
 /// Vertices on surfaces are merged, those in media joined.
