@@ -23,14 +23,28 @@
 //! w_m  =  1 / (a_light + a_camera - 1),      a = (d_vcm + b^2 d_vc) / eta^2          [Georgiev 2012, eq. 37 to 39]
 //! ```
 //!
-//! Each `a` is at least one, which is merging itself. Points in media and holes are not merged, neither are mirrors.
+//! Each `a` is at least one, which is merging itself. Holes are not merged, neither are mirrors.
+//!
+//! In a medium the vertices within a ball are taken instead [Křivánek et al. 2014, point-point 3D], of power per volume,
+//!
+//! ```text
+//! L  =  1/(N 4/3 pi r^3)  sum over y  of  beta_y / sigma_s(y) p_z(wi_y, wo) beta_z w,      eta = 4/3 pi r^3 N
+//! ```
+//!
+//! with the phase function `p_z`, and the scattering `sigma_s` per unit length that both ends have in their `beta`. Densities at such a vertex are
+//! per volume, see `volume.rs`, and `eta` is, so sums and weights are those of surfaces with the one `eta` or the other at each vertex. The ball is never larger
+//! than a part of the mean free path, [`LARGEST_BALL`]; so `eta` is a function of the place.
+//!
+//! Balls hold few points where connections find much: a vertex in a medium is merged only if light comes to it and leaves it by mirrors or clear boundaries, so that it can be connected with neither
+//! neighbour. Whether that is so is known from each side once the path has gone on, and what merging adds to the sums waits until then: [`WithMedia::merged`]. Until
+//! the next vertex is known to be a mirror, `d_vcm` of the vertex is without it, as it has to be for connections.
 //!
 //! What moves is merged with light of its own moment: the shutter interval is divided into equal parts, `eta` becomes that of one of them, and
 //! only vertices of one part are merged, at the positions which they have in the middle of it.
 
 use std::f32::consts::PI;
 
-use kajo_color::Wavelengths;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::LightGroup;
 use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
@@ -39,7 +53,7 @@ use kajo_math::rng::mix;
 
 use super::partial_mis::square;
 use super::techniques::AllTechniques;
-use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, VertexCounts, Volume};
+use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, VertexCounts, Volume, WithMedia};
 use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored, dither};
 use crate::integrator::transport::{LaneMis, SurfaceInteraction};
 use crate::trail::{Counting, PathObserver};
@@ -60,6 +74,46 @@ const MOST_MOMENTS: u32 = 250;
 /// By relative variance of `gallery/looking_glass.txt` at equal samples: 1.46 with 1, 1 with 1/10, 1.12 with 1/50. Light that merging
 /// alone finds is the same with all of them.
 const MERGE_DENSITY: f64 = 0.1;
+
+/// Largest radius of a ball in a medium, in mean free paths: light changes within one, and beyond the surface of a body there is none.
+const LARGEST_BALL: f32 = 0.5;
+
+/// The ball around a vertex in a medium in which it is merged.
+#[derive(Clone, Copy, Debug)]
+struct MergeBall {
+    /// World units.
+    radius: f32,
+    /// `eta^2`.
+    density2: f64,
+    /// `1/(4/3 pi r^3)`, for one part of the shutter interval.
+    kernel: f32,
+}
+
+/// Vertices of paths from lights, on surfaces and in media.
+#[derive(Debug, Default)]
+struct VertexBatch {
+    on_surfaces: Vec<LightVertex>,
+    in_media: Vec<LightVertex>,
+}
+
+impl VertexBatch {
+    /// Memory while all of them are copied once.
+    fn bytes(&self) -> u64 {
+        (2 * (self.on_surfaces.len() + self.in_media.len()) * size_of::<LightVertex>()) as u64
+    }
+
+    /// All vertices of tasks, in their order.
+    fn of_all(tasks: Vec<VertexBatch>) -> VertexBatch {
+        let mut all = VertexBatch::default();
+        all.on_surfaces.reserve_exact(tasks.iter().map(|batch| batch.on_surfaces.len()).sum());
+        all.in_media.reserve_exact(tasks.iter().map(|batch| batch.in_media.len()).sum());
+        for batch in tasks {
+            all.on_surfaces.extend(batch.on_surfaces);
+            all.in_media.extend(batch.in_media);
+        }
+        all
+    }
+}
 
 /// A vertex of a path from a light, as it is kept.
 #[derive(Clone, Copy, Debug)]
@@ -94,6 +148,8 @@ pub struct MergePass {
     pub paths: u32,
     /// Radius of the disks, above zero.
     pub radius: f32,
+    /// Largest radius of the balls in media, above zero, see [`LARGEST_BALL`].
+    pub ball_radius: f32,
     /// Parts of the shutter interval that are merged among themselves, from 1 to 250.
     pub moments: u32,
     /// What all paths carry, since none of different ones can be merged.
@@ -105,6 +161,7 @@ pub struct MergePass {
 pub struct Merging {
     pass: MergePass,
     map: PhotonMap<LightVertex>,
+    in_media: PhotonMap<LightVertex>,
     /// `eta^2`.
     density2: f64,
     /// `1/(pi r^2)`, for one part of the shutter interval.
@@ -120,6 +177,7 @@ impl Merging {
         Merging {
             pass: MergePass { moments, ..pass },
             map: PhotonMap::new(Vec::new(), 1),
+            in_media: PhotonMap::new(Vec::new(), 1),
             density2: density * density,
             kernel,
         }
@@ -132,7 +190,7 @@ impl Merging {
 
     /// Whether nothing can be merged.
     pub fn is_empty(&self) -> bool {
-        self.map.is_empty()
+        self.map.is_empty() && self.in_media.is_empty()
     }
 
     fn moment(&self, time: f32) -> u8 {
@@ -164,12 +222,38 @@ impl Merging {
         }
     }
 
+    /// The ball around a vertex in a medium.
+    ///
+    /// * `sigma_t`: mean extinction there
+    fn ball(&self, sigma_t: f32) -> MergeBall {
+        let MergePass { moments, paths, ball_radius, .. } = self.pass;
+        let radius = ball_radius.min(LARGEST_BALL / sigma_t);
+        let volume = 4.0 / 3.0 * std::f64::consts::PI * f64::from(radius).powi(3) / f64::from(moments);
+        let density = MERGE_DENSITY * volume * f64::from(paths);
+        MergeBall { radius, density2: density * density, kernel: (1.0 / volume) as f32 }
+    }
+
+    /// Notes that a vertex in a medium can be merged, if so.
+    ///
+    /// * `connectable`: whether it can be connected with the vertex before
+    #[inline(never)]
+    pub fn weigh_in_medium<'s, V: Volume<'s>>(&self, vertex: &mut Vertex<'s, V>, connectable: bool) {
+        let p = vertex.at.p;
+        if let Some(volume) = vertex.volume.with_media_mut().filter(|_| !connectable) {
+            volume.merged = self.ball(volume.sigma_t).density2;
+            vertex.merged_at = Some(p);
+        }
+    }
+
     /// The weight of merging `y` with `z` [Georgiev 2012, eq. 37 to 39].
     ///
     /// * `wi`: unit direction from which light comes to `y`
-    fn mis_weight<'s, V: Volume<'s>>(&self, y: &LightVertex, z: &Vertex<'s, V>, wi: Vec3) -> f32 {
+    /// * `density2`: `eta^2` at `z`
+    fn mis_weight<'s, V: Volume<'s>>(y: &LightVertex, z: &Vertex<'s, V>, wi: Vec3, density2: f64) -> f32 {
+        let merged =
+            z.volume.with_media().filter(|volume| volume.phase.is_some()).map_or(0.0, |volume| volume.merged);
         let from_light = square(y.d_vcm) + square(z.pdf(z.wo, wi)) * square(y.d_vc);
-        let from_camera = z.mis.weighed(1.0, z.pdf(wi, z.wo)) / self.density2;
+        let from_camera = (z.mis.weighed(1.0, z.pdf(wi, z.wo)) + merged) / density2;
         let weight = (1.0 / (from_light + from_camera - 1.0)) as f32;
         // Densities beyond all numbers belong to ways that find the path for certain.
         if weight.is_nan() { 0.0 } else { weight }
@@ -185,25 +269,57 @@ impl Merging {
         moment: u8,
         dither: f32,
     ) -> Option<LightVertex> {
-        let arrival = Arrival {
+        let arrival = self.arrival(vertex, scatterings)?;
+        // The camera's path sees the part of a mixture that it draws itself.
+        let own = if vertex.bsdf.is_delta() { 1.0 } else { 0.0 };
+        Some(self.kept(vertex, &arrival, (self.density2, own), moment, dither))
+    }
+
+    /// The same in a medium.
+    fn stored_in_medium<'s, V: Volume<'s>>(
+        &self,
+        scene: &Scene,
+        vertex: &Vertex<'s, V>,
+        scatterings: u32,
+        moment: u8,
+        dither: f32,
+    ) -> Option<LightVertex> {
+        let (arrival, volume) = (self.arrival(vertex, scatterings)?, vertex.volume.with_media()?);
+        let sigma_s = volume.media[0].scattering(scene, arrival.p, self.wavelengths());
+        let arrival = Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival };
+        // Merging itself, which its sums are without.
+        Some(self.kept(vertex, &arrival, (volume.merged, 1.0), moment, dither))
+    }
+
+    /// What comes to a vertex; `None` where it cannot be merged.
+    fn arrival<'s, V: Volume<'s>>(&self, vertex: &Vertex<'s, V>, scatterings: u32) -> Option<Arrival> {
+        Some(Arrival {
             p: vertex.merged_at?,
             n: vertex.at.ng,
             wi: vertex.wo,
             power: vertex.beta * (1.0 / self.pass.paths as f32),
             scatterings,
             secondary_terminated: vertex.secondary_terminated,
-        };
-        let mis = vertex.mis;
-        // The camera's path sees the part of a mixture that it draws itself.
-        let own = if vertex.bsdf.is_delta() { 1.0 } else { 0.0 };
-        Some(LightVertex {
-            photon: Photon::new(&arrival, dither),
-            d_vcm: (mis.d_vcm / self.density2 + own).sqrt() as f32,
-            d_vc: (mis.d_vc / self.density2).sqrt() as f32,
-            scatterings: scatterings.min(u16::MAX.into()) as u16,
+        })
+    }
+
+    /// * `density2`, `own`: `eta^2`, and what merging adds to `d_vcm / eta^2`
+    fn kept<'s, V: Volume<'s>>(
+        &self,
+        vertex: &Vertex<'s, V>,
+        arrival: &Arrival,
+        (density2, own): (f64, f64),
+        moment: u8,
+        dither: f32,
+    ) -> LightVertex {
+        LightVertex {
+            photon: Photon::new(arrival, dither),
+            d_vcm: (vertex.mis.d_vcm / density2 + own).sqrt() as f32,
+            d_vc: (vertex.mis.d_vc / density2).sqrt() as f32,
+            scatterings: arrival.scatterings.min(u16::MAX.into()) as u16,
             group: vertex.group,
             moment,
-        })
+        }
     }
 }
 
@@ -212,7 +328,7 @@ impl Merging {
     /// What a merged path counts if `y`, drawn from the light, and `z`, drawn from the camera, are one.
     pub fn mis_weight_of(&self, y: &Vertex<'_>, z: &Vertex<'_>) -> f32 {
         let stored = self.stored(y, 0, 0, 0.5).expect("a vertex that can be merged");
-        self.mis_weight(&stored, z, y.wo)
+        Merging::mis_weight(&stored, z, y.wo, self.density2)
     }
 
     /// `eta`.
@@ -234,25 +350,22 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let work = |task: u32| {
             let begin = task * PATHS_A_TASK;
             let end = begin.saturating_add(PATHS_A_TASK).min(pass.paths);
-            let (mut batch, mut path) = (Vec::new(), Vec::new());
+            let (mut batch, mut path) = (VertexBatch::default(), Vec::new());
             let mut counting = Counting::new(&SampleContext::new(&sampler, 0));
             for i in begin..end {
                 let draws = SampleStream::new(&sampler, mix(setup.seed ^ SALT), [pass.k, 0], i);
                 self.keep_path(&merging, draws, &mut counting, &mut path, i, &mut batch);
             }
-            // All of them are copied once.
-            let bytes = (2 * batch.len() * size_of::<LightVertex>()) as u64;
+            let bytes = batch.bytes();
             ((batch, counting.rays), bytes)
         };
         let too_many = || too_many(pass.paths, setup.memory);
         let tasks = setup.tasks_in_memory(pass.paths.div_ceil(PATHS_A_TASK), work, too_many)?;
-        let (mut vertices, mut rays) = (Vec::new(), RayCounters::default());
-        vertices.reserve_exact(tasks.iter().map(|(batch, _)| batch.len()).sum());
-        for (batch, taken) in tasks {
-            vertices.extend(batch);
-            rays += taken;
-        }
-        merging.map = PhotonMap::new(vertices, setup.threads);
+        let mut rays = RayCounters::default();
+        tasks.iter().for_each(|&(_, taken)| rays += taken);
+        let all = VertexBatch::of_all(tasks.into_iter().map(|(batch, _)| batch).collect());
+        merging.map = PhotonMap::new(all.on_surfaces, setup.threads);
+        merging.in_media = PhotonMap::new(all.in_media, setup.threads);
         Ok((merging, rays))
     }
 
@@ -266,7 +379,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         counting: &mut Counting,
         path: &mut Vec<Vertex<'a, V>>,
         i: u32,
-        batch: &mut Vec<LightVertex>,
+        batch: &mut VertexBatch,
     ) {
         let wavelengths = merging.wavelengths();
         let time = draws.number_if(self.view.scene.moves());
@@ -277,7 +390,14 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         self.follow_light(counting, path, draws, carried);
         let moment = merging.moment(time);
         for (j, vertex) in (0..).zip(&*path) {
-            batch.extend(merging.stored(vertex, j, moment, dither(i, j)));
+            let dither = dither(i, j);
+            match vertex.phase() {
+                None => batch.on_surfaces.extend(merging.stored(vertex, j, moment, dither)),
+                Some(_) => {
+                    let stored = merging.stored_in_medium(self.scene(), vertex, j, moment, dither);
+                    batch.in_media.extend(stored);
+                }
+            }
         }
     }
 
@@ -292,39 +412,77 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) {
         if end.collision.is_some() {
-            return;
+            return self.merge_in_medium(end, z, merging, observer, found);
         }
         merging.weigh(self.scene(), &end.surface, z);
         let Some(p) = z.merged_at.filter(|_| !z.is_delta()) else { return };
-        let (t, Carried { wavelengths, time, .. }) = (end.t, end.carried);
-        let (moment, most) = (merging.moment(time), self.longest() - 1 - t);
+        let (moment, most) = (merging.moment(end.carried.time), self.longest() - 1 - end.t);
         let point = GatherPoint { p, n: z.at.ng };
         merging.map.within(&point, merging.pass.radius, |y| {
-            let scatterings = u32::from(y.scatterings);
-            if scatterings > most || y.moment != moment {
+            if u32::from(y.scatterings) > most || y.moment != moment {
                 return;
             }
             let wi = y.photon.wi();
-            let scattered = z.gathered(wi);
-            let cosine = z.cosine(wi);
+            let (scattered, cosine) = (z.gathered(wi), z.cosine(wi));
             if scattered.is_black() || cosine <= 0.0 {
                 return;
             }
             // The kernel 1/(N pi r^2) estimates a density per area of the true surface, so the cosine of `f |cos|` is divided by that of
             // the geometric normal [Veach 1997, 5.3.2].
-            let merged = Contribution {
-                technique: VertexCounts { s: scatterings + 2, t },
-                is_merged: true,
-                light: z.beta * scattered * y.photon.power() * (merging.kernel / cosine),
-                weight: merging.mis_weight(y, z, wi),
-                secondary_terminated: y.photon.secondary_terminated() || z.secondary_terminated,
-                group: y.group,
-                raster: None,
-            };
-            observer.found(|| merged.value(wavelengths));
-            found(merged, wavelengths);
+            let light = z.beta * scattered * y.photon.power() * (merging.kernel / cosine);
+            add_merged(end, z, y, (light, merging.density2), observer, found);
         });
     }
+
+    /// The same in a medium: `1/(4/3 pi r^3) sum beta_y / sigma_s p_z beta_z w` [Křivánek et al. 2014, point-point 3D].
+    #[inline(never)]
+    fn merge_in_medium<O: PathObserver>(
+        &self,
+        end: &CameraEnd<'_, '_, '_, V, impl Copy>,
+        z: &mut Vertex<'a, V>,
+        merging: &Merging,
+        observer: &mut O,
+        found: &mut impl FnMut(Contribution, &Wavelengths),
+    ) {
+        merging.weigh_in_medium(z, end.path.state.connectable);
+        let (Some(p), Some(&WithMedia { sigma_t, .. })) = (z.merged_at, z.volume.with_media()) else {
+            return;
+        };
+        let (moment, most) = (merging.moment(end.carried.time), self.longest() - 1 - end.t);
+        let MergeBall { radius, density2, kernel } = merging.ball(sigma_t);
+        merging.in_media.within_ball(p, radius, |y| {
+            if u32::from(y.scatterings) > most || y.moment != moment {
+                return;
+            }
+            let light = z.beta * z.gathered(y.photon.wi()) * y.photon.power() * kernel;
+            add_merged(end, z, y, (light, density2), observer, found);
+        });
+    }
+}
+
+/// Hands the light of a merged path to `found` and to the observer.
+///
+/// * `light`, `density2`: the estimate by merging alone, and `eta^2`
+fn add_merged<'a, V: Volume<'a>, O: PathObserver>(
+    end: &CameraEnd<'_, '_, '_, V, impl Copy>,
+    z: &Vertex<'a, V>,
+    y: &LightVertex,
+    (light, density2): (Spectrum, f64),
+    observer: &mut O,
+    found: &mut impl FnMut(Contribution, &Wavelengths),
+) {
+    let wavelengths = end.carried.wavelengths;
+    let merged = Contribution {
+        technique: VertexCounts { s: u32::from(y.scatterings) + 2, t: end.t },
+        is_merged: true,
+        light,
+        weight: Merging::mis_weight(y, z, y.photon.wi(), density2),
+        secondary_terminated: y.photon.secondary_terminated() || z.secondary_terminated,
+        group: y.group,
+        raster: None,
+    };
+    observer.found(|| merged.value(wavelengths));
+    found(merged, wavelengths);
 }
 
 fn too_many(paths: u32, memory: u64) -> SetupError {

@@ -316,8 +316,11 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             if vertices.is_empty() {
                 self.weigh_first(&mut vertex, &emitted, chosen, time);
             }
-            if let Some(merging) = techniques.merging().filter(|_| collision.is_none()) {
-                merging.weigh(scene, &surface, &mut vertex);
+            if let Some(merging) = techniques.merging() {
+                match collision {
+                    None => merging.weigh(scene, &surface, &mut vertex),
+                    Some(_) => merging.weigh_in_medium(&mut vertex, path.state.connectable),
+                }
             }
             vertices.push(vertex);
             observer.note();
@@ -558,6 +561,7 @@ pub(super) fn light_end<'s>(
         eta: 1.0,
         pdf_back: 0.0,
         mis: PartialMis { d_vcm, d_vc: 0.0 },
+        merged: 0.0,
     };
     let power = emitted.power() * (1.0 / probability);
     let ray = emitted.ray(time);

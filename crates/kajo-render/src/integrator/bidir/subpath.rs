@@ -47,6 +47,21 @@ pub struct LastVertex {
     pub pdf_back: f32,
     /// The sums of the vertex.
     pub mis: PartialMis,
+    /// What merging at the vertex adds to `d_vcm` if the ray comes to the next one by mirrors or clear boundaries, see [`WithMedia::merged`].
+    pub merged: f64,
+}
+
+impl LastVertex {
+    /// The sums of the vertex, with merging there if no connection joins it with the next one.
+    ///
+    /// * `connectable`: whether one does
+    #[inline(always)]
+    fn sums<'v, V: Volume<'v>>(&self, connectable: bool) -> PartialMis {
+        match V::HAS_MEDIA && !connectable {
+            true => PartialMis { d_vcm: self.mis.d_vcm + self.merged, ..self.mis },
+            false => self.mis,
+        }
+    }
 }
 
 /// A path from one end while it grows.
@@ -59,7 +74,8 @@ impl<'s> Subpath<'s> {
     /// A path from the camera that begins with the ray of its state.
     pub fn from_camera(state: PathState<'s>) -> Subpath<'s> {
         let (p, eta, mis) = (state.ray.o, state.media.eta(), PartialMis::default());
-        let last = LastVertex { p, pdf: 1.0, is_parallel: true, cosine: 1.0, eta, pdf_back: 0.0, mis };
+        let last =
+            LastVertex { p, pdf: 1.0, is_parallel: true, cosine: 1.0, eta, pdf_back: 0.0, mis, merged: 0.0 };
         Subpath { state, last }
     }
 }
@@ -115,7 +131,13 @@ impl Subpath<'_> {
     /// * `cosine`: between the ray and the true normal there
     /// * `collision`: mean extinction there, if it is in a medium
     pub fn mis_at<'v, V: Volume<'v>>(&self, p: Vec3, cosine: f32, collision: Option<f32>) -> PartialMis {
-        let LastVertex { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.last;
+        self.last.sums::<V>(self.state.connectable).grown(self.growth_at::<V>(p, cosine, collision))
+    }
+
+    /// The densities and the factor of [`Subpath::mis_at`].
+    #[inline(always)]
+    fn growth_at<'v, V: Volume<'v>>(&self, p: Vec3, cosine: f32, collision: Option<f32>) -> Growth {
+        let LastVertex { p: from, pdf, is_parallel, pdf_back, .. } = self.last;
         let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
         // The étendue cos dw n^2 of a narrow beam is the same at both ends, whatever lies between. A segment without an
         // interface ends at the index at which it began.
@@ -123,12 +145,23 @@ impl Subpath<'_> {
         let g = self.last.cosine * thinning * eta * eta;
         let connectable = self.state.connectable;
         let growth = Growth { pdf: pdf * cosine * thinning, g, pdf_back, connectable };
-        mis.grown(if V::HAS_MEDIA { grown_through_media(growth, &self.state, collision) } else { growth })
+        if V::HAS_MEDIA { grown_through_media(growth, &self.state, collision) } else { growth }
+    }
+
+    /// What merging at the vertex before adds to `d_vc` of a vertex on a surface if that turns out to scatter into a single direction.
+    fn merged_before<'v, V: Volume<'v>>(&self, p: Vec3, cosine: f32) -> f64 {
+        match self.last.merged {
+            merged if merged > 0.0 && self.state.connectable => {
+                PartialMis { d_vcm: merged, d_vc: 0.0 }.grown(self.growth_at::<V>(p, cosine, None)).d_vc
+            }
+            _ => 0.0,
+        }
     }
 
     /// The sums where the ray ends that leaves the scene: as [`Subpath::mis_at`], with densities per solid angle in place of those per area.
     pub fn mis_at_infinity<'v, V: Volume<'v>>(&self) -> PartialMis {
-        let LastVertex { pdf, cosine: g, pdf_back, mis, .. } = self.last;
+        let LastVertex { pdf, cosine: g, pdf_back, .. } = self.last;
+        let mis = self.last.sums::<V>(self.state.connectable);
         let growth = Growth { pdf, g, pdf_back, connectable: self.state.connectable };
         mis.grown(if V::HAS_MEDIA { grown_through_media(growth, &self.state, None) } else { growth })
     }
@@ -183,6 +216,7 @@ impl Subpath<'_> {
                 sigma_t: 1.0,
                 r_u: self.state.lanes.r_u,
                 media: sides,
+                merged: self.merged_before::<V>(at.point.p, at.point.ng.dot(wo).abs()),
             }),
         }
     }
@@ -215,6 +249,7 @@ impl Subpath<'_> {
                 sigma_t: lanes.sigma_t,
                 r_u: lanes.r_u,
                 media: [media; 2],
+                merged: 0.0,
             }),
         }
     }
@@ -262,6 +297,7 @@ impl Subpath<'_> {
             // Phase functions are symmetric.
             pdf_back: sample.value.pdf,
             mis: vertex.mis,
+            merged: vertex.volume.with_media().map_or(0.0, |volume| volume.merged),
         };
         let bounces = state.scatterings;
         survives_in_medium(state, at, bounces, roulette, 1.0)
@@ -308,7 +344,8 @@ impl Subpath<'_> {
             cosine: vertex.cosine(wi),
             eta: 1.0,
             pdf_back,
-            mis: if delta { vertex.mis.without_connection() } else { vertex.mis },
+            mis: if delta { vertex.as_specular() } else { vertex.mis },
+            merged: 0.0,
         };
         follow(state, surface, wi, &sample, observer);
         if V::HAS_MEDIA {

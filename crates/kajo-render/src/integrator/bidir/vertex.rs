@@ -71,6 +71,14 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
         self.phase().is_none() && self.bsdf.is_delta()
     }
 
+    /// The sums of a vertex on a surface that scatters into a single direction: none of connections with it, but with merging at a vertex in a medium before.
+    #[inline(always)]
+    pub fn as_specular(&self) -> PartialMis {
+        let mis = self.mis.without_connection();
+        let merged = self.volume.with_media().map_or(0.0, |volume| volume.merged);
+        PartialMis { d_vc: mis.d_vc + merged, ..mis }
+    }
+
     /// The end of a segment that comes from elsewhere.
     pub fn end(&self) -> LightPoint {
         match self.phase() {

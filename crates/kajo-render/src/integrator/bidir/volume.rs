@@ -37,6 +37,9 @@ pub trait Volume<'a>: Copy + Sync + fmt::Debug + 'a {
     /// The data of the vertex; `None` in scenes without media.
     fn with_media(&self) -> Option<&WithMedia<'a>>;
 
+    /// The same, to be changed.
+    fn with_media_mut(&mut self) -> Option<&mut WithMedia<'a>>;
+
     /// A density with what media make of it.
     #[inline(always)]
     fn scaled(pdf: f32, factor: impl FnOnce() -> f32) -> f32 {
@@ -60,6 +63,11 @@ impl<'a> Volume<'a> for NoMedia {
     fn with_media(&self) -> Option<&WithMedia<'a>> {
         None
     }
+
+    #[inline(always)]
+    fn with_media_mut(&mut self) -> Option<&mut WithMedia<'a>> {
+        None
+    }
 }
 
 /// A vertex in a scene with participating media.
@@ -73,6 +81,9 @@ pub struct WithMedia<'a> {
     pub r_u: Spectrum,
     /// What is around the vertex on the side of `wo` and on the other.
     pub media: [MediumStack; 2],
+    /// What merging adds to the sums if the path goes on so that no connection does it. In a medium: `eta^2`, to `d_vcm`, if vertices may be merged there.
+    /// On a surface: what merging at the vertex before adds to `d_vc`, if light is scattered into a single direction there. 0 elsewhere; see `merge.rs`.
+    pub merged: f64,
 }
 
 impl<'a> Volume<'a> for WithMedia<'a> {
@@ -85,6 +96,11 @@ impl<'a> Volume<'a> for WithMedia<'a> {
 
     #[inline]
     fn with_media(&self) -> Option<&WithMedia<'a>> {
+        Some(self)
+    }
+
+    #[inline]
+    fn with_media_mut(&mut self) -> Option<&mut WithMedia<'a>> {
         Some(self)
     }
 }

@@ -12,7 +12,7 @@
 //! r_i = r_1 i^((alpha - 1)/2)                                              [Georgiev et al. 2012]
 //! ```
 //!
-//! so their blur goes to nothing. With `alpha = 3/4` it does as `i^(-1/4)`, and the variance of the mean of merged light as `i^(-3/4)`.
+//! and balls in media `2 r_1 i^((alpha - 1)/3)`, so their blur goes to nothing. With `alpha = 3/4` it does as `i^(-1/4)`, and the variance of the mean of merged light as `i^(-3/4)`.
 //!
 //! Without merging this is the bidirectional integrator, to the bit.
 
@@ -36,6 +36,11 @@ pub use settings::{VCM, VertexMergingSettings};
 
 /// Pixels from the middle of a disk of the first pass to its rim.
 const FIRST_RADIUS: f32 = 2.5;
+
+/// Radius of the balls of the first pass, in radii of its disks.
+///
+/// Squared error times seconds of a tank of water with a glass ball, lit from outside by a point: 0.31 with 1, 0.12 with 2. Balls are large because few paths scatter in thin media.
+const FIRST_BALL: f32 = 2.0;
 
 /// Parts of the shutter interval in the first pass, where things move.
 const FIRST_MOMENTS: f32 = 16.0;
@@ -98,11 +103,14 @@ impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
     fn pass(&self, k: u32, seed: u64) -> MergePass {
         // [Georgiev et al. 2012]
         let share = f64::from(k + 1).powf(0.5 * (f64::from(self.settings.alpha) - 1.0)) as f32;
+        // The volume of balls goes as the area of disks.
+        let ball_share = f64::from(k + 1).powf((f64::from(self.settings.alpha) - 1.0) / 3.0) as f32;
         let moments = if self.view.scene.moves() { (FIRST_MOMENTS / share) as u32 } else { 1 };
         MergePass {
             k,
             paths: self.settings.photons,
             radius: self.first_radius * share,
+            ball_radius: FIRST_BALL * self.first_radius * ball_share,
             moments,
             wavelengths: self.view.wavelengths_of_pass(seed ^ WAVELENGTH_SALT, k),
         }

@@ -9,7 +9,7 @@ use kajo_testkit::Estimate;
 use super::*;
 use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
-use crate::integrator::{Path, PathSettings};
+use crate::integrator::{Path, PathSettings, PhotonMapping, PhotonSettings};
 use crate::{Film, FilmSpec, Layer, RenderSettings, Silent, render};
 
 fn scene(text: &str) -> Scene {
@@ -117,8 +117,76 @@ fn merging_and_paths_agree_where_paths_find_all() {
     }
 }
 
+/// A beam from above into smoke in clear glass, seen from the side: no joint finds it. Even, of all colours, of varying density, and two media in one place.
+#[test]
+fn merging_alone_finds_a_beam_behind_glass() {
+    let media = [
+        "Medium m { sigma_s 1 }",
+        "Medium m { sigma_s 0.8 0.1 3  sigma_a 0.2 0.1 0 }",
+        "FunctionMedium m { function = 1 + 0 * x  sigma_s 0.8 2 0.3  sigma_a 0.2 }",
+        "Medium m { sigma_s 0.5 1 0.2 }  Medium n { sigma_s 0.3 0.2 1  sigma_a 0.2 }",
+    ];
+    for media in media {
+        let (y, albedo) = (0.4, if media.contains("0.2") { 0.8 } else { 1.0 });
+        let text = format!(
+            "{} Media {{ {media} }} Materials {{ Glass glass {{ indexOfRefraction 1.0001 medium m }} Interface more {{ medium {} }} }}
+             Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance 1 }} }}
+             Group {{ MaterialIndex glass Box {{ min -1 -1 -1 max 1 1 1 }} {} }}",
+            camera([0.0, y, 5.0], [0.0, y, 0.0], 0.01),
+            if media.contains(" n ") { "n" } else { "m" },
+            if media.contains(" n ") { "MaterialIndex more Box { min -0.999 -0.999 -0.999 max 0.999 0.999 0.999 }" } else { "" },
+        );
+        let expected = albedo * (-(1.0 - f64::from(y))).exp() * (1.0 - (-2.0f64).exp()) / (4.0 * PI);
+        let settings = VertexMergingSettings { bounces: 2, radius: 0.075, alpha: 1.0, ..with(2000) };
+        // Of balls at the boundaries a part is without smoke.
+        check(&scene(&text), settings, 64, expected * 0.985, 0.015);
+    }
+}
+
+/// Smoke that takes nothing from light, in glass and without, is not seen under a sky that is the same everywhere.
+#[test]
+fn smoke_of_albedo_1_is_not_seen_under_a_uniform_sky() {
+    for (medium, material) in [
+        ("Medium m { sigma_s 1 2 3 }", "Glass i { indexOfRefraction 1.4  medium m }"),
+        (
+            "GridMedium m { size 2 2 2 values 1 0.2 0 0.7 0.4 1 0.6 0.1 min -1 -1 -1 max 1 1 1  sigma_s 1 4 8 }",
+            "Glass i { indexOfRefraction 1.2  medium m }",
+        ),
+        ("Medium m { sigma_s 0.5 2 6 g 0.7 }", "Interface i { medium m }"),
+    ] {
+        let text = format!(
+            "{} Media {{ {medium} }} Materials {{ {material} }} Group {{ MaterialIndex i Box {{ min -1 -1 -1 max 1 1 1 }} }}",
+            camera([0.3, 0.2, 4.0], [0.0, -0.2, -0.1], 20.0).replace("color 0 0 0", "color 1 1 1")
+        );
+        let settings = VertexMergingSettings { bounces: 1000, radius: 0.05, ..with(1000) };
+        check(&scene(&text), settings, 64, 1.0, 4e-3);
+    }
+}
+
+/// Light of a point that a ball of glass bends in murky water behind glass: joined paths find a part of it, photons all.
+#[test]
+fn murky_water_behind_glass_is_as_bright_as_photons_find_it() {
+    let text = format!(
+        "{} Media {{ Medium murk {{ sigma_s 0.4 0.3 0.2  sigma_a 0.1 }} }} Lights {{ PointLight {{ position 0 0.9 0  intensity 1 2 3 }} }}
+         Materials {{ Glass water {{ indexOfRefraction 1.3 medium murk }} Glass ball {{ indexOfRefraction 1.6 priority 2 }} }}
+         Group {{ MaterialIndex water Box {{ min -0.5 -0.5 -0.5 max 0.5 0.5 0.5 }}
+                  MaterialIndex ball Sphere {{ center 0 0.3 0 radius 0.2 }} }}",
+        camera([0.0, 0.2, 2.8], [0.0, 0.0, 0.0], 10.0)
+    );
+    let scene = scene(&text);
+    let sppm = PhotonSettings { bounces: 5, photons: 2000, usage: None, ..PhotonSettings::default() };
+    let expected = mean_of(&PhotonMapping::new(&scene, sppm, [1, 1], LayerSet::of(&[])), 128);
+    let settings = VertexMergingSettings { bounces: 5, radius: 0.07, ..with(3000) };
+    let found = mean_of(&*prepared(&scene, settings), 128);
+    let both = mean_of(&*prepared(&scene, VertexMergingSettings { merging: false, ..settings }), 64);
+    let sigma = found.standard_error.hypot(expected.standard_error) / expected.mean;
+    let error = (found.mean / expected.mean - 1.0).abs();
+    assert!(error < 4.0 * sigma && sigma < 0.06, "{found:?} instead of {expected:?}");
+    assert!(both.mean < 0.3 * expected.mean, "{both:?}");
+}
+
 /// Scenes in which every kind of end is met: a moving ball, a lens, a sky, glass that disperses, and media.
-fn scenes() -> [(String, bool); 4] {
+fn scenes() -> [(String, bool); 5] {
     let things = "MaterialIndex wall Quad { corner -2 -1 -2 edge1 0 0 4 edge2 4 0 0 }
         MaterialIndex glass Sphere { center 0.7 -0.4 0 radius 0.6 }
         MaterialIndex emitter Quad { corner -1 1.9 -1 edge1 1 0 0 edge2 0 0 1 }
@@ -145,6 +213,10 @@ fn scenes() -> [(String, bool); 4] {
         (clear(text("aperture 0.1  focus 3", &sky, things)), false),
         (clear(text("shutter 0 1", media, &format!("{things} {moving}"))), false),
         (text("", media, &format!("{things} {smoke}")), true),
+        (
+            text("", media, &format!("{things} {smoke}")).replace("abbeNumber 30", "abbeNumber 30  medium m"),
+            true,
+        ),
     ]
 }
 

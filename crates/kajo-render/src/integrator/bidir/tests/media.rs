@@ -49,7 +49,7 @@ fn all_ways_through_media_are_one() {
     check_ways_within(&room(&colored, body, CEILING, BODY), 1, 6000, 0.2);
 }
 
-/// Vertices on surfaces are merged, those in media joined.
+/// Vertices on surfaces are merged, those in media joined, since nothing is behind glass.
 #[test]
 fn merging_in_media_takes_nothing_and_adds_nothing() {
     let air = room("Medium air { sigma_s 0.4 0.2 0.1  sigma_a 0.2  g 0.3 }  exterior air", "", CEILING, "");
@@ -57,6 +57,25 @@ fn merging_in_media_takes_nothing_and_adds_nothing() {
         room(&format!("{GRID} sigma_s 1.5 sigma_a 0.3 }}"), "Interface body { medium m }", CEILING, BODY);
     for text in [air, body] {
         check_merged_light(&text, 1, (1500, 20_000, 0.03));
+    }
+}
+
+/// Light comes to a floor through a slab of glass with smoke in it: what is merged there, met and joined behind it counts once.
+#[test]
+fn merging_in_glass_takes_nothing_and_adds_nothing() {
+    let media = [
+        "Medium m { sigma_s 2.5 1.5 1  sigma_a 0.2  g 0.3 }",
+        "GridMedium m { size 2 2 2 values 1 0.2 0 0.7 0.4 1 0.6 0.1 min -1 0.3 -1 max 1 0.7 1  sigma_s 4 1 2  sigma_a 0.3 }",
+    ];
+    for medium in media {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 0.95  direction 0 -0.6 -1  up 0 1 0  angle 70 }} Background {{ color 0 0 0 }} Media {{ {medium} }}
+             Materials {{ Matte white {{ color 0.7 0.7 0.7 }} Matte emitter {{ color 0 0 0  emission 2 2 2 }} Glass body {{ indexOfRefraction 1.3  medium m }} }}
+             Group {{ MaterialIndex white Quad {{ corner -1 -0.6 -1  edge1 0 0 2  edge2 2 0 0 }}
+                      MaterialIndex emitter Quad {{ corner -0.3 0.9 -0.3  edge1 0.6 0 0  edge2 0 0 0.6 }}
+                      MaterialIndex body Box {{ min -3 0.3 -3  max 3 0.7 3 }} }}"
+        );
+        check_merged_light(&text, 3, (8000, 20_000, 0.05));
     }
 }
 

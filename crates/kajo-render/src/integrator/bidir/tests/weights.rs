@@ -86,7 +86,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Sampl
     let wavelengths = Wavelengths::RGB;
     let mut rays = Counting::default();
     let merging = radius.map(|radius| {
-        let pass = MergePass { k: 0, paths: 1000, radius, moments: 1, wavelengths };
+        let pass = MergePass { k: 0, paths: 1000, radius, ball_radius: radius, moments: 1, wavelengths };
         it.merging(pass, &setup(0)).expect("vertices").0
     });
     let merging = merging.as_ref();
@@ -115,6 +115,7 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Sampl
             eta: 1.0,
             pdf_back: 0.0,
             mis: PartialMis::default(),
+            merged: 0.0,
         };
         let state = PathState::new(
             ray,
