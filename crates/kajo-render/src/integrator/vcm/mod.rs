@@ -147,7 +147,7 @@ impl<'v, V: ReusedVolume<'v>> Integrator for VertexMerging<'v, V> {
         let (merging, rays) = self.connecting.merging(self.pass(k, setup.seed), setup)?;
         let notes = match k == 0 && merging.is_empty() {
             true if rays.light == 0 => "there is no light in the scene that paths could begin at".to_owned(),
-            true => "no path from a light came to a surface where it can be merged, since all are mirrors or clear; \
+            true => "no path from a light came to where it can be merged: surfaces are mirrors or clear, and media not behind such; \
                  `integrator bidirectional` finds the same picture sooner"
                 .to_owned(),
             false => return Ok(self.with_merging(merging, rays, Vec::new())),
