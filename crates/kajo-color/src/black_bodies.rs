@@ -1,7 +1,7 @@
 //! Black bodies of any temperature, bright in proportion to each other.
 //!
-//! [`Emission::blackbody`](crate::Emission::blackbody) is one body of luminance 1. Where the temperature differs from place to place, or is seen shifted,
-//! radiances have to be compared:
+//! [`Emission::blackbody`](crate::Emission::blackbody) is one body of luminance 1. Where the temperature differs from
+//! place to place, or is seen shifted, radiances have to be compared:
 //!
 //! ```text
 //! L(λ) = B(λ, T) / Y(T₀)

@@ -3,9 +3,9 @@
 //! A family is a trait with a fixed list of members. Each member type has a pool of its own,
 //! `Vec<Member>`, and a handle names a member by kind (upper bits) and index (lower bits).
 //! Dispatch is a `match` on the kind: no pointers to trait objects, no virtual calls. The one macro below writes handle,
-//! pools, an enum of any member by value, dispatch and the names of all members from their list; adding a member is its file and one line. Methods of members
-//! that ask other members, or other pools, stand on a type that has all of these, which members are handed. How a
-//! member is written in a scene is defined in `compile`.
+//! pools, an enum of any member by value, dispatch and the names of all members from their list; adding a member is its
+//! file and one line. Methods of members that ask other members, or other pools, stand on a type that has all of these,
+//! which members are handed. How a member is written in a scene is defined in `compile`.
 
 /// How many low bits of a handle are the index: 2^27 members of each kind, 32 kinds.
 pub(crate) const INDEX_BITS: u32 = 27;

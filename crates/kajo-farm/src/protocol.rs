@@ -10,7 +10,8 @@
 //! | request | bytes with it | response | bytes with it |
 //! |---|---|---|---|
 //! | `{"do":"open","plan":TEXT}` | a bundle, or none | `{"ok":true,"threads":N}` | |
-//! | `{"do":"unit","stage":S,"unit":U}` | the beginning of the stage; none for the first | `{"ok":true,"samples":N,"rays":N,"seconds":X}` | the part |
+//! | `{"do":"unit","stage":S,"unit":U}` | the beginning of the stage; none for the first |
+//! `{"ok":true,"samples":N,"rays":N,"seconds":X}` | the part |
 //!
 //! What fails is answered with `{"ok":false,"kind":K,"message":TEXT}`, where `input` is for what stays wrong
 //! everywhere and `unit` for what went wrong with this one. The end of its input ends a worker at once.

@@ -1,8 +1,8 @@
 //! Maps of uniform numbers to other distributions.
 //!
 //! They are as exact as single precision can be: of spheres, hemispheres and cones the coordinate along the axis is off by at most 1e-7,
-//! the squared distance from it by 3e-7 and the angle around it by 1e-6; of a cone that distance by 1e-6 of itself. Points of a disk are off by 5e-7, and
-//! the squared heights of a hemisphere over it by 5e-7.
+//! the squared distance from it by 3e-7 and the angle around it by 1e-6; of a cone that distance by 1e-6 of itself.
+//! Points of a disk are off by 5e-7, and the squared heights of a hemisphere over it by 5e-7.
 
 use crate::{Vec2, Vec3, fmath};
 

@@ -9,8 +9,9 @@
 //! W = mean of p_g (1 - p_g)      V = sum of (p_g - p)^2 / (G - 1)      R = sqrt((n-1)/n + V/W)       [Gelman and Rubin 1992]
 //! ```
 //!
-//! where groups count by their states. Were all states independent, `V` would be `W/n`; as neighbours in a chain are alike, it is `W/m` with the effective
-//! number `m < n` of states of a group, so that `R^2` is about `1 + 1/m`. Above 1.05, a group has less than ten of them.
+//! where groups count by their states. Were all states independent, `V` would be `W/n`; as neighbours in a chain are
+//! alike, it is `W/m` with the effective number `m < n` of states of a group, so that `R^2` is about `1 + 1/m`. Above
+//! 1.05, a group has less than ten of them.
 //!
 //! Counts are whole numbers, whose sums do not depend on the order in which they come.
 
@@ -74,8 +75,9 @@ impl ChainCounts {
         &mut self.0
     }
 
-    /// The potential scale reduction between groups of chains, the largest of all tiles that have a share of the light worth mentioning: 1 where they agree,
-    /// infinite where each group has light in tiles of its own, or there is one alone. `None` without chains.
+    /// The potential scale reduction between groups of chains, the largest of all tiles that have a share of the light
+    /// worth mentioning: 1 where they agree, infinite where each group has light in tiles of its own, or there is one
+    /// alone. `None` without chains.
     pub fn r_hat(&self) -> Option<f64> {
         let states = |group: &[u64]| group.iter().map(|&n| n as f64).sum::<f64>();
         let groups: Vec<(f64, &[u64])> = self

@@ -8,9 +8,9 @@
 //!        | 'repeat' NAME EXPRESSION '{' item* '}'   the items several times
 //! ```
 //!
-//! A NUMBER may be an expression (`values`), and change with time (`keyed`). No keywords but `include`, `let` and `repeat` are known. After a mistake the parser goes on with
-//! the next token, so that one run shows all of them. Open blocks and open
-//! files are kept on explicit stacks: deep nesting costs no program stack.
+//! A NUMBER may be an expression (`values`), and change with time (`keyed`). No keywords but `include`, `let` and
+//! `repeat` are known. After a mistake the parser goes on with the next token, so that one run shows all of them. Open
+//! blocks and open files are kept on explicit stacks: deep nesting costs no program stack.
 
 mod files;
 mod functions;

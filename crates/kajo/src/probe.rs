@@ -5,10 +5,11 @@
 //! except that its place in the picture is given: all other random numbers are those of the pixel's sample of
 //! that index. The contributions of its segments add up to its radiance.
 //!
-//! Integrators may prepare what many samples share, such as photon maps, records of irradiance, paths from lights that are merged with, or which lights
-//! arrive. Debug rays show samples with all of that: [`DebugRays`] prepares it with the first ray and keeps it for all further ones, and a [`Prober`]
-//! does so in a thread of its own. Only Metropolis light transport shows something else than it renders with, an independent sample of the integrator
-//! whose samples its chains mutate: what a chain adds to the picture belongs to no pixel.
+//! Integrators may prepare what many samples share, such as photon maps, records of irradiance, paths from lights that
+//! are merged with, or which lights arrive. Debug rays show samples with all of that: [`DebugRays`] prepares it with
+//! the first ray and keeps it for all further ones, and a [`Prober`] does so in a thread of its own. Only Metropolis
+//! light transport shows something else than it renders with, an independent sample of the integrator whose samples its
+//! chains mutate: what a chain adds to the picture belongs to no pixel.
 
 mod prober;
 

@@ -26,8 +26,8 @@ pub struct TextureFolder {
 const TAG: &str = "Signature: 8a477f597d28d172789f06886806bc55\n# Tiled copies of pictures, made by kajo. They may be removed.\n";
 
 impl TextureFolder {
-    /// The folder of this user: that of the variable `KAJO_TEXTURES`, or one where the system keeps what can be made again; `None` where there is no such
-    /// place.
+    /// The folder of this user: that of the variable `KAJO_TEXTURES`, or one where the system keeps what can be made
+    /// again; `None` where there is no such place.
     pub fn of_user() -> Option<PathBuf> {
         let variable = |name: &str| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let absolute = |path: PathBuf| Some(path).filter(|path| path.is_absolute());

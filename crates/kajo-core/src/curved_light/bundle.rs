@@ -7,8 +7,9 @@
 //! ```
 //!
 //! the geodesic deviation of relativity, and the paraxial rays of optics. It is integrated beside the ray itself by the classic method of
-//! Runge and Kutta over several steps of the ray at a time, as these are shorter than it asks for, with the cubic of Hermite for the ray between, and `(∂f/∂y) δ` is a difference of slopes. Two such rays,
-//! those of the neighbouring pixels, bound a bundle of light, whose cross section is what a pixel covers of the sky or of a surface.
+//! Runge and Kutta over several steps of the ray at a time, as these are shorter than it asks for, with the cubic of
+//! Hermite for the ray between, and `(∂f/∂y) δ` is a difference of slopes. Two such rays, those of the neighbouring
+//! pixels, bound a bundle of light, whose cross section is what a pixel covers of the sky or of a surface.
 //!
 //! [Born and Wolf 1999, 3.2], [Misner et al. 1973, 22.5], and for pictures [James et al. 2015, A.2]
 

@@ -277,7 +277,8 @@ impl Emitter for AreaLight {
         })
     }
 
-    /// A point by area or emission and a direction by its cosine with the normal; of a surface that rays find, a line through it of which each hit is as likely.
+    /// A point by area or emission and a direction by its cosine with the normal; of a surface that rays find, a line
+    /// through it of which each hit is as likely.
     fn sample_le<S: EmissiveSurfaces>(
         &self,
         time: f32,

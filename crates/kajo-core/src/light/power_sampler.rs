@@ -5,8 +5,9 @@
 //! ```
 //!
 //! with the luminous power `Φ` of each light; that of a light infinitely far away is what reaches the bounding sphere of the scene. Light that starts
-//! at light `i`, drawn by its `sample_le` with the densities of `pdf_le`, counts over `P(i)` times these, so the sum over all lights of the light that
-//! leaves them is estimated by one of them. A light of power zero is never chosen; neither is one that stands in another inertial frame.
+//! at light `i`, drawn by its `sample_le` with the densities of `pdf_le`, counts over `P(i)` times these, so the sum
+//! over all lights of the light that leaves them is estimated by one of them. A light of power zero is never chosen;
+//! neither is one that stands in another inertial frame.
 
 use kajo_math::Aabb;
 

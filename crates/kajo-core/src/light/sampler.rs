@@ -119,8 +119,9 @@ impl LightSampler {
 
     /// The lights of the file, and patches that stand for all of each emissive object, with the factor of their light.
     ///
-    /// * `most`: patches of an object; of one that has more so many are taken by systematic sampling: the running sum of powers is cut into equal parts, and the
-    ///   patch at the middle of each stands for all of it, with the factor that makes the sum of its power that of the part
+    /// * `most`: patches of an object; of one that has more so many are taken by systematic sampling: the running sum
+    ///   of powers is cut into equal parts, and the patch at the middle of each stands for all of it, with the factor
+    ///   that makes the sum of its power that of the part
     pub fn representatives(&self, lights: &Lights, most: usize) -> Vec<(LightId, f32)> {
         let here = |i: usize| LightIndex::new(i).is_some_and(|light| self.is_here(light));
         let listed = self.list[..self.first_area].iter().enumerate().filter(|&(i, _)| here(i));

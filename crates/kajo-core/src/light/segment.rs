@@ -1,8 +1,9 @@
 //! Pieces of rays through media, and lights as seen from them.
 //!
 //! Light of a point that is scattered once on a ray is an integral of `1 / (D^2 + (t - s)^2)` over the distance `t`, where `s` is the
-//! distance of the point closest to the light and `D` that between the two. It is the angle under which the light sees the ray, over `D`; so distances are
-//! drawn by that angle [Kulla and Fajardo 2012, eq. 4 and 5], and lights are chosen by it [Conty Estévez and Kulla 2018, 4.3].
+//! distance of the point closest to the light and `D` that between the two. It is the angle under which the light sees
+//! the ray, over `D`; so distances are drawn by that angle [Kulla and Fajardo 2012, eq. 4 and 5], and lights are chosen
+//! by it [Conty Estévez and Kulla 2018, 4.3].
 //!
 //! A light that shines into a cone sees no more of a ray than lies within that:
 //!
@@ -10,8 +11,9 @@
 //! W(t) = (o + t d - a) . n  >=  0,      sin^2 W(t)^2  >=  cos^2 |(o + t d - a) - W(t) n|^2
 //! ```
 //!
-//! for the apex `a`, the axis `n`, and the sine and cosine of half the cone's angle. For lights within a ball of radius `r` whose axes lie within a cone too, the
-//! angle is the sum of both and the apex lies `r / sin` behind the middle of the ball. The cone is convex, so that part of the ray is one interval.
+//! for the apex `a`, the axis `n`, and the sine and cosine of half the cone's angle. For lights within a ball of radius
+//! `r` whose axes lie within a cone too, the angle is the sum of both and the apex lies `r / sin` behind the middle of
+//! the ball. The cone is convex, so that part of the ray is one interval.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -115,7 +117,8 @@ impl RaySegment {
         (distance > 0.0 && ends[1] > ends[0] && self.is_worth_drawing(&part)).then_some(part)
     }
 
-    /// Whether collisions would find the light on a part of the ray badly: it is less than what they may end on, or some of that is much nearer to the light than the rest.
+    /// Whether collisions would find the light on a part of the ray badly: it is less than what they may end on, or
+    /// some of that is much nearer to the light than the rest.
     fn is_worth_drawing(&self, part: &LitPart) -> bool {
         let is_cut = part.ends[0] > 0.0 || part.ends[1] < self.length;
         let reached = self.length.min(FREE_PATHS / self.extinction);

@@ -2,8 +2,9 @@
 //!
 //! A binary tree over the lights; a walk from the root goes to each child with a probability proportional to an estimate of what it
 //! sends to the receiver: see `cluster.rs`. What few lights send is the sum of what each of them does: an estimate for them as one does not
-//! know that a spot light shines past the receiver, or that a ray passes one of them closely. The layout and the cost of a split follow [Conty Estévez and Kulla 2018] and
-//! [Pharr et al. 2023, 12.6]. Lights infinitely far away stand beside the tree: see `infinite.rs`.
+//! know that a spot light shines past the receiver, or that a ray passes one of them closely. The layout and the cost
+//! of a split follow [Conty Estévez and Kulla 2018] and [Pharr et al. 2023, 12.6]. Lights infinitely far away stand
+//! beside the tree: see `infinite.rs`.
 
 use std::f32::consts::PI;
 

@@ -14,15 +14,17 @@
 //! q = (arrived + 1) / (drawn + 1)        1 / (drawn + 1)^2 where nothing arrived
 //! ```
 //!
-//! Of nodes that have counted children it is the mean of theirs, each weighted by its share of draws by importance: those that went by a table count by the ratio of
-//! the probabilities that the tree and the table give to the light.
+//! Of nodes that have counted children it is the mean of theirs, each weighted by its share of draws by importance:
+//! those that went by a table count by the ratio of the probabilities that the tree and the table give to the light.
 //!
 //! So it is 1 for what was never drawn. A wall hides everything or it is not there: that nothing at all arrives is as likely
-//! beforehand as all shares above 0 together, and after `n` draws in vain the share that is to be expected falls by the square of `n`. In a region in shadow, where nothing
-//! arrives, the lights that arrive elsewhere are still the likely ones. The walk down the tree then goes by importance times `q`, after [Vévoda et al. 2018], who
-//! learn estimates of clusters of lights for regions while they render. What was counted may be wrong for a point: one draw in ten goes by
-//! importance alone, which bounds the weight of what arrives against all expectation to ten times that of the tree. The probability of a light is that of the mixture,
-//! for the regions' tables are fixed before any light is drawn by them. Between lights infinitely far away and the tree it is decided alike.
+//! beforehand as all shares above 0 together, and after `n` draws in vain the share that is to be expected falls by the
+//! square of `n`. In a region in shadow, where nothing arrives, the lights that arrive elsewhere are still the likely
+//! ones. The walk down the tree then goes by importance times `q`, after [Vévoda et al. 2018], who learn estimates of
+//! clusters of lights for regions while they render. What was counted may be wrong for a point: one draw in ten goes by
+//! importance alone, which bounds the weight of what arrives against all expectation to ten times that of the tree. The
+//! probability of a light is that of the mixture, for the regions' tables are fixed before any light is drawn by them.
+//! Between lights infinitely far away and the tree it is decided alike.
 
 use std::array;
 
@@ -48,8 +50,9 @@ const BY_IMPORTANCE: f32 = 0.1;
 
 /// A choice in steps by a mixture of two rules: by importance alone, and by what is known to arrive too.
 ///
-/// The probability of a light is the sum of both, `0.1 product of s + 0.9 product of t` over the steps to it, and a step is taken with the share that the mixture has
-/// given the steps before, so that one number in [0, 1) is enough for both rules and what is near in it stays together.
+/// The probability of a light is the sum of both, `0.1 product of s + 0.9 product of t` over the steps to it, and a
+/// step is taken with the share that the mixture has given the steps before, so that one number in [0, 1) is enough for
+/// both rules and what is near in it stays together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mixture([f32; 2]);
 

@@ -2,7 +2,8 @@
 //!
 //! Flat patches and spheres are drawn uniformly over the solid angle they fill, so that the estimate of
 //! unobstructed light has no variance but the cosine's; ellipsoids, cylinders and cones are drawn through their silhouettes; ellipses, tori
-//! and what is seen too small or from too near are drawn uniformly over the area, and what has no closed form is met by rays. Every density given out is per solid angle at the receiver,
+//! and what is seen too small or from too near are drawn uniformly over the area, and what has no closed form is met by
+//! rays. Every density given out is per solid angle at the receiver,
 //!
 //! ```text
 //! p = p_area d^2 / |n . w|,

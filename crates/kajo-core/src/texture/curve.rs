@@ -1,7 +1,7 @@
 //! Numbers by a number: curves and thresholds.
 //!
-//! Where a number varies within a [footprint](super::FilteredNumber), a curve answers with its mean over these numbers, and says by its mean square how
-//! much it varies itself.
+//! Where a number varies within a [footprint](super::FilteredNumber), a curve answers with its mean over these numbers,
+//! and says by its mean square how much it varies itself.
 
 use std::sync::Arc;
 

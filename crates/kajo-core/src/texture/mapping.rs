@@ -1,7 +1,8 @@
 //! Where on a texture a point is: placement, projection, warp.
 //!
-//! A point of the world, or of the space of its object, is taken by an affine map to the space of the texture, `q = M p`, there projected onto a sheet where the texture is
-//! to be laid like a picture, divided by the size of a unit, and at last moved by turbulence:
+//! A point of the world, or of the space of its object, is taken by an affine map to the space of the texture, `q = M
+//! p`, there projected onto a sheet where the texture is to be laid like a picture, divided by the size of a unit, and
+//! at last moved by turbulence:
 //!
 //! ```text
 //! solid        q                                    planar      (x, y)

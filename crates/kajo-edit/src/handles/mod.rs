@@ -15,8 +15,9 @@
 //! circle   x' on a circle; what counts is the angle
 //! ```
 //!
-//! Nothing here draws or knows a window: handles are made of a [`Document`](crate::Document) and a [`CameraPose`](kajo::CameraPose), and a drag becomes an
-//! [`Edit`](crate::Edit) for a gesture of the document. All drags of a gesture start from the handle as it was grabbed.
+//! Nothing here draws or knows a window: handles are made of a [`Document`](crate::Document) and a
+//! [`CameraPose`](kajo::CameraPose), and a drag becomes an [`Edit`](crate::Edit) for a gesture of the document. All
+//! drags of a gesture start from the handle as it was grabbed.
 //!
 //! ```no_run
 //! # fn run(document: &mut kajo_edit::Document, node: kajo_edit::NodeId) -> Option<()> {

@@ -2,8 +2,9 @@
 //!
 //! Where only one integrator carries what is in the scene, it is that one. Otherwise short trials decide, of a few
 //! thousand paths each: one sends light out and counts how much of it reaches a matt surface by way of mirrors and glass, a
-//! caustic, and where there is any, small pictures show whether [merging](super::hidden_light) finds light that nothing else does; the other renders a small picture with and without light that surfaces send to one another. Numbers are drawn
-//! from a seed of their own, so the choice is a function of the scene, the same on all machines.
+//! caustic, and where there is any, small pictures show whether [merging](super::hidden_light) finds light that nothing
+//! else does; the other renders a small picture with and without light that surfaces send to one another. Numbers are
+//! drawn from a seed of their own, so the choice is a function of the scene, the same on all machines.
 
 use kajo_color::Wavelengths;
 use kajo_core::light::{LightId, PowerLightSampler};
@@ -127,8 +128,9 @@ fn sky(scene: &Scene, power_sampler: &PowerLightSampler) -> f32 {
     sky / all
 }
 
-/// The share of paths from lights, drawn in proportion to power, that come to a surface which is not specular by specular events alone, at least one of
-/// them: `n_caustic / N`, the mean of an indicator over `N` paths, whose standard error is below `1 / (2 sqrt(N))`.
+/// The share of paths from lights, drawn in proportion to power, that come to a surface which is not specular by
+/// specular events alone, at least one of them: `n_caustic / N`, the mean of an indicator over `N` paths, whose
+/// standard error is below `1 / (2 sqrt(N))`.
 fn caustics(scene: &Scene) -> f32 {
     const MOST_MIRRORS: u32 = 8;
     let emission = PhotonEmission::new(scene, LIGHT_PATHS, MOST_MIRRORS, false);
@@ -142,8 +144,9 @@ fn caustics(scene: &Scene) -> f32 {
     found.map_or(0.0, |batch| batch.photons.len() as f32 / LIGHT_PATHS as f32)
 }
 
-/// How much of the light of what is seen comes from lights themselves: the median over pixels of `L_direct / L`, where both are means of few samples of path
-/// tracing, without and with indirect light. Pixels that show no light are left out.
+/// How much of the light of what is seen comes from lights themselves: the median over pixels of `L_direct / L`, where
+/// both are means of few samples of path tracing, without and with indirect light. Pixels that show no light are left
+/// out.
 fn lit(scene: &Scene) -> f32 {
     let (size, samples) = PICTURE;
     let camera = &scene.output.camera;

@@ -1,13 +1,15 @@
 //! Light that joined paths do not find, though merged ones do: caustics that are seen in mirrors, through glass and under water.
 //!
-//! Two small pictures are made of the same random numbers, by `vcm` with merging and without. Without merging it is `bidirectional`, to the bit, so the two differ by
-//! what merging finds alone. With the brightness `v` and `b` of a pixel and the mean `m` of all `v`
+//! Two small pictures are made of the same random numbers, by `vcm` with merging and without. Without merging it is
+//! `bidirectional`, to the bit, so the two differ by what merging finds alone. With the brightness `v` and `b` of a
+//! pixel and the mean `m` of all `v`
 //!
 //! ```text
 //! D = sum of t(v) - t(b)  over  sum of t(v),      t(x) = x / (x + m)
 //! ```
 //!
-//! where `t` keeps single bright samples from deciding. In the gallery `D` is 0.01 to 0.11 where caustics are seen in mirrors or through glass, and below 0.01 elsewhere.
+//! where `t` keeps single bright samples from deciding. In the gallery `D` is 0.01 to 0.11 where caustics are seen in
+//! mirrors or through glass, and below 0.01 elsewhere.
 
 use kajo_core::scene::Scene;
 

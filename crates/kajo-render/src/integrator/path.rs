@@ -19,15 +19,17 @@
 //! [Veach and Guibas 1995]. Paths that carry little end at random, and the survivors count more [Arvo and
 //! Kirk 1990].
 //!
-//! Distribution ray tracing [Cook et al. 1984] splits the path at the first vertex `x` that is not specular into `n` branches. Each of them samples a direction by the
-//! non-specular lobes of `x` with numbers that are spread over all branches of the pixel, and the sum of their light is estimated by the mean,
+//! Distribution ray tracing [Cook et al. 1984] splits the path at the first vertex `x` that is not specular into `n`
+//! branches. Each of them samples a direction by the non-specular lobes of `x` with numbers that are spread over all
+//! branches of the pixel, and the sum of their light is estimated by the mean,
 //!
 //! ```text
 //! L(x, wo) = 1/n sum over k = 1 .. n  of  (f |cos| / p)_k L_k      +  specular lobes, by one more branch of weight 1
 //! ```
 //!
-//! so each begins with `beta / n`, and direct light at `x` is sampled once. Direct light alone (`direct`) is the same sum over paths, cut where a path would go on from a
-//! vertex that is not specular: such a vertex keeps its next-event estimation and the emission that its scattering hits, with their weights.
+//! so each begins with `beta / n`, and direct light at `x` is sampled once. Direct light alone (`direct`) is the same
+//! sum over paths, cut where a path would go on from a vertex that is not specular: such a vertex keeps its next-event
+//! estimation and the emission that its scattering hits, with their weights.
 //!
 //! A vertex at which a path splits is an entry in a list of what remains to be followed, so a path of any depth takes no more stack than one
 //! of none.

@@ -1,8 +1,9 @@
 //! Photons in a tree.
 //!
-//! A photon is power `Φ` that came to a point of a surface, or of a medium, from the direction `wi`. Its position takes 12 bytes, the direction and the
-//! number of scatterings before 4, the normal and the axis of its node 2, four lanes of power with one exponent 6. Lanes are rounded
-//! up or down by the number of the photon, in turn, so that sums of many are not off by that.
+//! A photon is power `Φ` that came to a point of a surface, or of a medium, from the direction `wi`. Its position takes
+//! 12 bytes, the direction and the number of scatterings before 4, the normal and the axis of its node 2, four lanes of
+//! power with one exponent 6. Lanes are rounded up or down by the number of the photon, in turn, so that sums of many
+//! are not off by that.
 //!
 //! The tree is balanced and has no pointers [Jensen 2001, 5.1]: of a range of photons the middle one divides the rest along the
 //! axis in which they spread the widest; ranges of a few are searched as they stand. All orders are total, by position and then

@@ -12,8 +12,9 @@
 //!   buffers                      leaves of 8^3, in the order of the topology: mask, values
 //! ```
 //!
-//! Numbers are little end first; names have their length in four bytes. Voxel (i, j, k) has its middle at the point (i, j, k) of index space. There is no
-//! specification but the library itself [OpenVDB 10, `openvdb/io`, `openvdb/tree`]. Versions 222 (OpenVDB 3.0, 2012) to 224 are read.
+//! Numbers are little end first; names have their length in four bytes. Voxel (i, j, k) has its middle at the point (i,
+//! j, k) of index space. There is no specification but the library itself [OpenVDB 10, `openvdb/io`, `openvdb/tree`].
+//! Versions 222 (OpenVDB 3.0, 2012) to 224 are read.
 //!
 //! A file is read from front to back, and nothing is made of a number in it but of the bytes that follow it.
 

@@ -10,8 +10,9 @@
 //! ```
 //!
 //! with `phi(x)` the angle that the part covers of the circle of radius `x` around the axis. No path from the camera finds
-//! this light by chance, since parallel light is met with probability zero; `caustics manifold` looks for its directions by Newton's method. The screen is so small that no light passes beside
-//! the ball to it, and light is scattered so seldom that none comes to the screen by way of the screen.
+//! this light by chance, since parallel light is met with probability zero; `caustics manifold` looks for its
+//! directions by Newton's method. The screen is so small that no light passes beside the ball to it, and light is
+//! scattered so seldom that none comes to the screen by way of the screen.
 
 use std::f64::consts::PI;
 
@@ -24,7 +25,8 @@ use crate::method::{BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, Method, PATH_M
 /// What finds light that no ray meets by chance.
 const METHODS: &[Method] = &[BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT];
 
-/// What looks for the directions in which light comes through the ball: near the focus it does not find all of them, so that it is asked of the far screen alone.
+/// What looks for the directions in which light comes through the ball: near the focus it does not find all of them, so
+/// that it is asked of the far screen alone.
 const WALKS: &[Method] = &[PATH_MANIFOLD];
 
 /// The noise of these, which take thirty times as long for a sample.

@@ -17,8 +17,8 @@
 //! L = integral over t of  s I / (4pi r^2) exp(-s (t + r)),    r^2 = b^2 + (t - a)^2
 //! ```
 //!
-//! *A slab that emits* by the radiance `e` per unit length and absorbs is as bright as `e / sigma_a (1 - exp(-sigma_a d))`; a body that gives `sigma_a` times the
-//! radiance of an even sky is not to be seen.
+//! *A slab that emits* by the radiance `e` per unit length and absorbs is as bright as `e / sigma_a (1 - exp(-sigma_a
+//! d))`; a body that gives `sigma_a` times the radiance of an even sky is not to be seen.
 //!
 //! *Nothing is lost.* Whatever scatters all light is not to be seen under an even sky: homogeneous, by voxels, by a function, in clear
 //! glass.
@@ -60,7 +60,8 @@ const BORDER: f64 = 5e-3;
 /// What the light within such a ball may differ from that at its middle.
 const BLUR: f64 = 1e-2;
 
-/// Scatterings of which next to no path has more in the thickest of these bodies, that of voxels; the default of integrators from both ends, 64, loses light there.
+/// Scatterings of which next to no path has more in the thickest of these bodies, that of voxels; the default of
+/// integrators from both ends, 64, loses light there.
 const WITHOUT_END: u32 = 500;
 
 /// The noise of a map, of which few balls lie along the ray; a batch has one, however many samples it takes.

@@ -8,7 +8,8 @@
 //! f(x, wo, wi) cos θi  =  L(x, wo) / E          E: irradiance of a surface that faces the light
 //! ```
 //!
-//! Lights and background of the scene's own have no effect. Where the surface is to repeat, the scene repeats it beyond the square, since neighbours cast shadows on it.
+//! Lights and background of the scene's own have no effect. Where the surface is to repeat, the scene repeats it beyond
+//! the square, since neighbours cast shadows on it.
 
 use std::io::Cursor;
 use std::path::Path;

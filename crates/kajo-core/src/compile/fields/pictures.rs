@@ -12,9 +12,9 @@
 //! color "waves.####.png"
 //! ```
 //!
-//! A name that ends as those of pictures do is one; other names are those of `Textures`. Whole numbers of a colour are values for a screen unless `encoding`
-//! says otherwise; floats, and pictures of numbers, are amounts. A file is read once, however many parameters
-//! show it.
+//! A name that ends as those of pictures do is one; other names are those of `Textures`. Whole numbers of a colour are
+//! values for a screen unless `encoding` says otherwise; floats, and pictures of numbers, are amounts. A file is read
+//! once, however many parameters show it.
 
 use std::ops::{Bound, RangeBounds};
 use std::sync::Arc;

@@ -10,9 +10,11 @@
 //! z = o_z + t (z_e - o_z)        t = d (1 + c) / (d (1 + c) - r_e),        t = d (1 - c) / (d (1 - c) + r_e)
 //! ```
 //!
-//! which are the ends of the trapezoid. Beyond the apex, where `c < -1`, all of it is seen through the disk in its wider rim. A position on these flat patches is drawn as on any, by solid angle where that is worth it, and the
-//! ray through it meets the surface once or twice; of two points the nearest one, which hides the other unless light passes there, is
-//! chosen with the probability 31/32. Per solid angle the density is that of the position times that of the choice.
+//! which are the ends of the trapezoid. Beyond the apex, where `c < -1`, all of it is seen through the disk in its
+//! wider rim. A position on these flat patches is drawn as on any, by solid angle where that is worth it, and the ray
+//! through it meets the surface once or twice; of two points the nearest one, which hides the other unless light passes
+//! there, is chosen with the probability 31/32. Per solid angle the density is that of the position times that of the
+//! choice.
 
 use kajo_math::solid_angle::basis64;
 use kajo_math::{DVec3, Vec2, Vec3};

@@ -7,8 +7,8 @@
 //! value = m + sum of w_i (T_i - m) / sqrt(sum of w_i^2),        m the mean of the picture
 //! ```
 //!
-//! That is exact for pictures whose values are distributed as a Gaussian, and good for those that are much the same everywhere, such as bark, gravel, rust
-//! and grass. What has a structure, such as bricks, is not for this.
+//! That is exact for pictures whose values are distributed as a Gaussian, and good for those that are much the same
+//! everywhere, such as bark, gravel, rust and grass. What has a structure, such as bricks, is not for this.
 
 use kajo_math::{Vec2, rng::Stream};
 

@@ -15,9 +15,10 @@
 //! p_m  =  eta p>(z) p_s,      eta = pi r^2 N                                         [Georgiev 2012, eq. 20]
 //! ```
 //!
-//! if `p_s` is that of the connection before `z`; it counts as if it were rarer, see [`MERGE_DENSITY`]. A connection that ends at `z` from the light has the density `p_s p>(z) / p<(next)`, so
-//! merging at the end of a path adds `eta^2` to what stands for the connection before it: in `d_vcm` of `partial_mis.rs`, from which it gets
-//! into `d_vc` of all later vertices. In terms of the sums with that, the weight of merging is
+//! if `p_s` is that of the connection before `z`; it counts as if it were rarer, see [`MERGE_DENSITY`]. A connection
+//! that ends at `z` from the light has the density `p_s p>(z) / p<(next)`, so merging at the end of a path adds `eta^2`
+//! to what stands for the connection before it: in `d_vcm` of `partial_mis.rs`, from which it gets into `d_vc` of all
+//! later vertices. In terms of the sums with that, the weight of merging is
 //!
 //! ```text
 //! w_m  =  1 / (a_light + a_camera - 1),      a = (d_vcm + b^2 d_vc) / eta^2          [Georgiev 2012, eq. 37 to 39]
@@ -32,12 +33,15 @@
 //! ```
 //!
 //! with the phase function `p_z`, and the scattering `sigma_s` per unit length that both ends have in their `beta`. Densities at such a vertex are
-//! per volume, see `volume.rs`, and `eta` is, so sums and weights are those of surfaces with the one `eta` or the other at each vertex. The ball is never larger
-//! than a part of the mean free path, [`LARGEST_BALL`]; so `eta` is a function of the place.
+//! per volume, see `volume.rs`, and `eta` is, so sums and weights are those of surfaces with the one `eta` or the other
+//! at each vertex. The ball is never larger than a part of the mean free path, [`LARGEST_BALL`]; so `eta` is a function
+//! of the place.
 //!
-//! Balls hold few points where connections find much: a vertex in a medium is merged only if light comes to it and leaves it by mirrors or clear boundaries, so that it can be connected with neither
-//! neighbour. Whether that is so is known from each side once the path has gone on, and what merging adds to the sums waits until then: [`WithMedia::merged`]. Until
-//! the next vertex is known to be a mirror, `d_vcm` of the vertex is without it, as it has to be for connections.
+//! Balls hold few points where connections find much: a vertex in a medium is merged only if light comes to it and
+//! leaves it by mirrors or clear boundaries, so that it can be connected with neither neighbour. Whether that is so is
+//! known from each side once the path has gone on, and what merging adds to the sums waits until then:
+//! [`WithMedia::merged`]. Until the next vertex is known to be a mirror, `d_vcm` of the vertex is without it, as it has
+//! to be for connections.
 //!
 //! What moves is merged with light of its own moment: the shutter interval is divided into equal parts, `eta` becomes that of one of them, and
 //! only vertices of one part are merged, at the positions which they have in the middle of it.
@@ -272,7 +276,7 @@ impl Merging {
         let arrival = self.arrival(vertex, scatterings)?;
         // The camera's path sees the part of a mixture that it draws itself.
         let own = if vertex.bsdf.is_delta() { 1.0 } else { 0.0 };
-        Some(self.kept(vertex, &arrival, (self.density2, own), moment, dither))
+        Some(self.kept(vertex, &arrival, self.density2, own, moment, dither))
     }
 
     /// The same in a medium.
@@ -288,7 +292,7 @@ impl Merging {
         let sigma_s = volume.media[0].scattering(scene, arrival.p, self.wavelengths());
         let arrival = Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival };
         // Merging itself, which its sums are without.
-        Some(self.kept(vertex, &arrival, (volume.merged, 1.0), moment, dither))
+        Some(self.kept(vertex, &arrival, volume.merged, 1.0, moment, dither))
     }
 
     /// What comes to a vertex; `None` where it cannot be merged.
@@ -308,7 +312,8 @@ impl Merging {
         &self,
         vertex: &Vertex<'s, V>,
         arrival: &Arrival,
-        (density2, own): (f64, f64),
+        density2: f64,
+        own: f64,
         moment: u8,
         dither: f32,
     ) -> LightVertex {
@@ -430,7 +435,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             // The kernel 1/(N pi r^2) estimates a density per area of the true surface, so the cosine of `f |cos|` is divided by that of
             // the geometric normal [Veach 1997, 5.3.2].
             let light = z.beta * scattered * y.photon.power() * (merging.kernel / cosine);
-            add_merged(end, z, y, (light, merging.density2), observer, found);
+            add_merged(end, z, y, Merged { light, density2: merging.density2 }, observer, found);
         });
     }
 
@@ -455,19 +460,25 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                 return;
             }
             let light = z.beta * z.gathered(y.photon.wi()) * y.photon.power() * kernel;
-            add_merged(end, z, y, (light, density2), observer, found);
+            add_merged(end, z, y, Merged { light, density2 }, observer, found);
         });
     }
 }
 
+/// What a merged path carries.
+struct Merged {
+    /// The estimate by merging alone.
+    light: Spectrum,
+    /// `eta^2` where it was merged.
+    density2: f64,
+}
+
 /// Hands the light of a merged path to `found` and to the observer.
-///
-/// * `light`, `density2`: the estimate by merging alone, and `eta^2`
 fn add_merged<'a, V: Volume<'a>, O: PathObserver>(
     end: &CameraEnd<'_, '_, '_, V, impl Copy>,
     z: &Vertex<'a, V>,
     y: &LightVertex,
-    (light, density2): (Spectrum, f64),
+    Merged { light, density2 }: Merged,
     observer: &mut O,
     found: &mut impl FnMut(Contribution, &Wavelengths),
 ) {

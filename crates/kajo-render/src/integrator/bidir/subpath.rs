@@ -6,10 +6,11 @@
 //! beta = beta_0  product over 0 < j < i of  f |cos| / p>(xj -> xj+1)
 //! ```
 //!
-//! with densities `p>` per solid angle: `beta_0` is 1 at the camera, and `Le |cos| / (P p_A p_d)` at a light that was chosen with the probability `P` and left with
-//! the densities `p_A` of the position and `p_d` of the direction. An estimate is `beta` of one subpath times what joins it to the other, or to nothing, and a weight of the power
-//! heuristic over all techniques. For these weights each vertex keeps the sums of [`PartialMis`] [Georgiev 2012, eq. 34 and 35], of the density of the ray and of that of the
-//! direction back, both per area where they arrive.
+//! with densities `p>` per solid angle: `beta_0` is 1 at the camera, and `Le |cos| / (P p_A p_d)` at a light that was
+//! chosen with the probability `P` and left with the densities `p_A` of the position and `p_d` of the direction. An
+//! estimate is `beta` of one subpath times what joins it to the other, or to nothing, and a weight of the power
+//! heuristic over all techniques. For these weights each vertex keeps the sums of [`PartialMis`] [Georgiev 2012, eq. 34
+//! and 35], of the density of the ray and of that of the direction back, both per area where they arrive.
 
 use kajo_color::Spectrum;
 use kajo_core::LightGroup;

@@ -1,8 +1,9 @@
 //! Which techniques a sample evaluates: all of them, or one alone.
 //!
-//! A technique is named by the vertices `s` that come from the light and `t` that come from the camera, light and lens counted. Paths of `k` vertices are
-//! sampled by `k` of them, `s = 0 .. k - 1`. For one alone the path from the light has no more than `s` vertices and the one from the camera no more than
-//! `t`, and only their ends are connected. Its contribution has the same weight as among all others.
+//! A technique is named by the vertices `s` that come from the light and `t` that come from the camera, light and lens
+//! counted. Paths of `k` vertices are sampled by `k` of them, `s = 0 .. k - 1`. For one alone the path from the light
+//! has no more than `s` vertices and the one from the camera no more than `t`, and only their ends are connected. Its
+//! contribution has the same weight as among all others.
 
 /// Techniques that a sample evaluates, with what vertices are merged with.
 pub trait Techniques<M>: Copy {

@@ -71,7 +71,8 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
         self.phase().is_none() && self.bsdf.is_delta()
     }
 
-    /// The sums of a vertex on a surface that scatters into a single direction: none of connections with it, but with merging at a vertex in a medium before.
+    /// The sums of a vertex on a surface that scatters into a single direction: none of connections with it, but with
+    /// merging at a vertex in a medium before.
     #[inline(always)]
     pub fn as_specular(&self) -> PartialMis {
         let mis = self.mis.without_connection();

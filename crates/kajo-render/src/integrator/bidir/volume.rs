@@ -14,9 +14,10 @@
 //! `q` is the same in both directions and `N` is common to all techniques that sample the path. So the weights of `partial_mis.rs` hold with
 //! each density per area multiplied by `q sigma_t(y)`, where `sigma_t` is 1 at surfaces, and cosines that are 1 in media.
 //!
-//! Coefficients depend on the wavelength. Weights take the means of `q` and of `sigma_t` over all lanes that the path began with: any function of the path may
-//! stand for a density, as long as it is the same for all techniques. The estimate itself counts over the mean of the true densities of all lanes, each
-//! of which might have drawn the distances, as in path tracing; see `transport/collisions.rs`.
+//! Coefficients depend on the wavelength. Weights take the means of `q` and of `sigma_t` over all lanes that the path
+//! began with: any function of the path may stand for a density, as long as it is the same for all techniques. The
+//! estimate itself counts over the mean of the true densities of all lanes, each of which might have drawn the
+//! distances, as in path tracing; see `transport/collisions.rs`.
 
 use std::fmt;
 
@@ -81,8 +82,9 @@ pub struct WithMedia<'a> {
     pub r_u: Spectrum,
     /// What is around the vertex on the side of `wo` and on the other.
     pub media: [MediumStack; 2],
-    /// What merging adds to the sums if the path goes on so that no connection does it. In a medium: `eta^2`, to `d_vcm`, if vertices may be merged there.
-    /// On a surface: what merging at the vertex before adds to `d_vc`, if light is scattered into a single direction there. 0 elsewhere; see `merge.rs`.
+    /// What merging adds to the sums if the path goes on so that no connection does it. In a medium: `eta^2`, to
+    /// `d_vcm`, if vertices may be merged there. On a surface: what merging at the vertex before adds to `d_vc`, if
+    /// light is scattered into a single direction there. 0 elsewhere; see `merge.rs`.
     pub merged: f64,
 }
 
@@ -105,8 +107,9 @@ impl<'a> Volume<'a> for WithMedia<'a> {
     }
 }
 
-/// The densities of a path's new vertex with what media make of them: `pdf q sigma_t` at a collision, `pdf q` at a surface, and the other way `g q sigma_t` of the
-/// vertex before (the first two rows of the table above without `N`, which is common to all techniques).
+/// The densities of a path's new vertex with what media make of them: `pdf q sigma_t` at a collision, `pdf q` at a
+/// surface, and the other way `g q sigma_t` of the vertex before (the first two rows of the table above without `N`,
+/// which is common to all techniques).
 ///
 /// * `collision`: mean extinction there, if it is in a medium
 pub fn grown_through_media(growth: Growth, path: &PathState<'_>, collision: Option<f32>) -> Growth {

@@ -8,8 +8,9 @@
 //! L(x, wo) = direct light + caustics + R/π E(x, n) + glossy light,     E = sum of w_i E_i(x, n) / sum of w_i
 //! ```
 //!
-//! Direct light, caustics, and what a surface scatters unevenly, is sampled as by path tracing; so is all light where no record reaches, so that a position without
-//! records is noisy, but right. Bounces are counted from the surface that the cache lights.
+//! Direct light, caustics, and what a surface scatters unevenly, is sampled as by path tracing; so is all light where
+//! no record reaches, so that a position without records is noisy, but right. Bounces are counted from the surface that
+//! the cache lights.
 
 mod builder;
 mod hemisphere;

@@ -1,8 +1,8 @@
 //! Where records are found again.
 //!
 //! A loose octree [Ward, Rubinstein and Clear 1988]: a record lies in the node that its point is in, at the level whose cubes are as
-//! wide as its larger radius or up to twice that. So a record reaches no further than half a cube beyond its own, and a look-up at a point visits each
-//! level at the cubes that hold it when they are made twice as wide.
+//! wide as its larger radius or up to twice that. So a record reaches no further than half a cube beyond its own, and a
+//! look-up at a point visits each level at the cubes that hold it when they are made twice as wide.
 //!
 //! Records of a node are found in the opposite order of that in which they came, nodes from the largest on; so the sum over them is the
 //! same for everybody.

@@ -1,18 +1,20 @@
 //! How many start samples each class of paths has, by a pilot.
 //!
-//! With `n_k` samples of class `k`, whose importance has the standard deviation `sigma_k`, the brightness `b` has the variance `sum of sigma_k^2 / n_k`. Of all ways to
-//! share out `N` samples the least has
+//! With `n_k` samples of class `k`, whose importance has the standard deviation `sigma_k`, the brightness `b` has the
+//! variance `sum of sigma_k^2 / n_k`. Of all ways to share out `N` samples the least has
 //!
 //! ```text
 //! n_k = N sigma_k / sum of sigma_j,    Var b = (sum of sigma_k)^2 / N            [Neyman 1934]
 //! ```
 //!
-//! so that `N = (sum of sigma_k / (e b))^2` make the standard error the share `e` of `b`. `sigma_k` and `b` are those of a pilot, samples of their own: some of each class first, and then as
-//! many more as it takes to have an eighth of `N`, shared out in the same way. Light that a pilot has missed is looked for all the same, as an eighth of the
+//! so that `N = (sum of sigma_k / (e b))^2` make the standard error the share `e` of `b`. `sigma_k` and `b` are those
+//! of a pilot, samples of their own: some of each class first, and then as many more as it takes to have an eighth of
+//! `N`, shared out in the same way. Light that a pilot has missed is looked for all the same, as an eighth of the
 //! samples is shared out evenly.
 //!
-//! The samples of a pilot tell how many others there are, and nothing else. So the numbers `n_k` do not depend on the samples whose means are taken, and these have no bias; a rule that
-//! stops by looking at the samples it averages has one, since few bright samples make both the mean and its error look small.
+//! The samples of a pilot tell how many others there are, and nothing else. So the numbers `n_k` do not depend on the
+//! samples whose means are taken, and these have no bias; a rule that stops by looking at the samples it averages has
+//! one, since few bright samples make both the mean and its error look small.
 
 /// Samples of each class that a pilot begins with.
 const PILOT: u32 = 64;

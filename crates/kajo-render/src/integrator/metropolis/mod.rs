@@ -21,8 +21,9 @@
 //!
 //! Each chain begins at a sample drawn in proportion to `I` of those that `b` was estimated by, so that it is where it would be after any
 //! number of mutations; no beginning has to be thrown away [Veach 1997, 11.3.1]. So chains may be short and many: one for each
-//! block of pixels and each sample of theirs, with a mutation for each pixel. It depends on the seed, the block and the sample alone, and its light goes
-//! to exact sums, so no split of the work changes a bit. Where its states have their light is counted too, to tell whether groups of chains agree; see [`ChainCounts`](crate::ChainCounts).
+//! block of pixels and each sample of theirs, with a mutation for each pixel. It depends on the seed, the block and the
+//! sample alone, and its light goes to exact sums, so no split of the work changes a bit. Where its states have their
+//! light is counted too, to tell whether groups of chains agree; see [`ChainCounts`](crate::ChainCounts).
 
 mod allotment;
 mod chain;
@@ -50,7 +51,8 @@ use start::Starts;
 /// Side of the block of pixels that shares a chain.
 const BLOCK: u32 = 32;
 
-/// Mutations for which the same start samples serve, but for those of one sample of the picture: enough that a million start samples cost little beside them.
+/// Mutations for which the same start samples serve, but for those of one sample of the picture: enough that a million
+/// start samples cost little beside them.
 const MUTATIONS_OF_PART: u32 = 1 << 24;
 
 /// Standard error of the brightness, as a share of it, above which there is a note.
@@ -183,7 +185,8 @@ impl Integrator for Metropolis<'_> {
         false
     }
 
-    /// The brightness of the whole picture is known to the start samples alone. New ones for each part make its error go away with more samples, as the noise of chains does.
+    /// The brightness of the whole picture is known to the start samples alone. New ones for each part make its error
+    /// go away with more samples, as the noise of chains does.
     fn samples_per_state(&self) -> Option<SamplesPerState> {
         let [width, height] = self.size;
         let samples = MUTATIONS_OF_PART / width.saturating_mul(height).max(1);

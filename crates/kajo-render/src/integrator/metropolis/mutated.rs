@@ -1,15 +1,17 @@
 //! What a chain mutates: whole samples of an integrator, or samples by one technique alone.
 //!
-//! A whole sample is a function `F(u)` of its numbers. Multiplexed Metropolis light transport [Hachisuka, Kaplanyan and Dachsbacher 2014] splits the light
-//! of bidirectional path tracing by the number of vertices `k` of its paths, light and lens counted, each of which has chains of its own: a *class*. Of
-//! the `k` techniques, with `s = 0 .. k - 1` vertices from the light, a sample has one, which a number of its own chooses. What the technique finds, `f_s`
-//! over its density `p_s`, has its weight `w_s` among all of them, and
+//! A whole sample is a function `F(u)` of its numbers. Multiplexed Metropolis light transport [Hachisuka, Kaplanyan and
+//! Dachsbacher 2014] splits the light of bidirectional path tracing by the number of vertices `k` of its paths, light
+//! and lens counted, each of which has chains of its own: a *class*. Of the `k` techniques, with `s = 0 .. k - 1`
+//! vertices from the light, a sample has one, which a number of its own chooses. What the technique finds, `f_s` over
+//! its density `p_s`, has its weight `w_s` among all of them, and
 //!
 //! ```text
 //! F_k(u) = k w_s(x) f(x) / p_s(x),    s = floor(k u_0)           [Hachisuka, Kaplanyan and Dachsbacher 2014]
 //! ```
 //!
-//! has the mean of the light of all paths of `k` vertices over the cube of `u`, since each technique has the part `1/k` of the cube and the weights sum to one.
+//! has the mean of the light of all paths of `k` vertices over the cube of `u`, since each technique has the part `1/k`
+//! of the cube and the weights sum to one.
 
 use std::ops::Range;
 

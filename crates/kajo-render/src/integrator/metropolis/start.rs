@@ -106,8 +106,10 @@ fn ends(numbers: &[u32]) -> Vec<u32> {
 }
 
 impl Starts {
-    /// Takes as many independent samples as it takes to know the brightness of the picture well, which a [pilot](super::allotment) says, but no more than 131,072 of one class and a million of many,
-    /// fewer for pictures of less than 512 pixels. The integral of the importance `I` over all primary samples of a class is estimated by the mean of its samples,
+    /// Takes as many independent samples as it takes to know the brightness of the picture well, which a
+    /// [pilot](super::allotment) says, but no more than 131,072 of one class and a million of many, fewer for pictures
+    /// of less than 512 pixels. The integral of the importance `I` over all primary samples of a class is estimated by
+    /// the mean of its samples,
     ///
     /// ```text
     /// b_k = 1/n_k sum of I(u_i),    u_i uniform in the unit cube                       [Kelemen et al. 2002]
@@ -185,7 +187,8 @@ impl Starts {
         self.classes.iter().map(Moments::variance_of_mean).sum::<f64>().sqrt()
     }
 
-    /// A sample drawn in proportion to its importance over the number of samples of its class, for sample `index` of a block; `None` where all are dark.
+    /// A sample drawn in proportion to its importance over the number of samples of its class, for sample `index` of a
+    /// block; `None` where all are dark.
     ///
     /// * `chain`: number of the chain in the picture. Where there are several classes, chains in a row are shared out among these evenly, by a
     ///   sequence of steps of the golden section.

@@ -269,7 +269,8 @@ fn threads_tiles_and_stops_make_the_same_picture() {
     }
 }
 
-/// In an emissive sphere of albedo 1/2 paths of `k` vertices bring `2^(2-k)`, and so do the chains that follow them: all the way from the choice of the length.
+/// In an emissive sphere of albedo 1/2 paths of `k` vertices bring `2^(2-k)`, and so do the chains that follow them:
+/// all the way from the choice of the length.
 #[test]
 fn the_light_of_each_length_has_its_mean() {
     let scene = scene(&emissive_sphere());
@@ -340,7 +341,8 @@ fn samples_are_allotted_by_the_spread_of_each_class() {
     assert_eq!(Spreads(vec![-1.0; 3]).numbers([9, 300]).0, [100; 3]);
 }
 
-/// An easy room begins with few samples, whose numbers no thread changes: over paths a thirtieth of what there may be, by lengths a sixth. Each part of the picture's samples has start samples of its own.
+/// An easy room begins with few samples, whose numbers no thread changes: over paths a thirtieth of what there may be,
+/// by lengths a sixth. Each part of the picture's samples has start samples of its own.
 #[test]
 fn easy_rooms_begin_with_few_samples() {
     let easy = scene(&emissive_sphere());

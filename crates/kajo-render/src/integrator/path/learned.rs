@@ -1,8 +1,8 @@
 //! Paths that choose lights by what is known to arrive: see [`LightVisibility`].
 //!
 //! Before the picture is made, paths are followed through all of it, and each light that is drawn along them is noted with whether anything of it
-//! arrives. The first of them choose lights by importance, the others by what these have found: where all light but that of one emitter in a thousand is
-//! kept off by walls, that one is hardly drawn before.
+//! arrives. The first of them choose lights by importance, the others by what these have found: where all light but
+//! that of one emitter in a thousand is kept off by walls, that one is hardly drawn before.
 //!
 //! The estimator of the picture is the path tracer's, with another probability of a light. For each light that is drawn this is
 //!
@@ -10,9 +10,10 @@
 //! P = 0.1 product of s + 0.9 product of t
 //! ```
 //!
-//! over the steps from the root of the tree to the light, with the probabilities `s` by importance and `t` by importance times what was learned to arrive: a discrete
-//! probability, which the density of the position on the light is multiplied by. Tables are fixed before the first sample of the picture is taken, so the estimate
-//! is unbiased whatever they say, and it does not depend on threads.
+//! over the steps from the root of the tree to the light, with the probabilities `s` by importance and `t` by
+//! importance times what was learned to arrive: a discrete probability, which the density of the position on the light
+//! is multiplied by. Tables are fixed before the first sample of the picture is taken, so the estimate is unbiased
+//! whatever they say, and it does not depend on threads.
 
 use std::ops::Range;
 

@@ -85,8 +85,9 @@ fn single_scattering_of_a_point_light_in_endless_fog() {
     }
 }
 
-/// The beam of a spot light with a hard edge, seen from the side: the integral of `sigma I exp(-sigma (t + r)) / (4 pi r^2)` over what of the ray is in the cone, which is so little that
-/// free paths, and points drawn all along the ray, end elsewhere. The spot lights beside it shine elsewhere too.
+/// The beam of a spot light with a hard edge, seen from the side: the integral of `sigma I exp(-sigma (t + r)) / (4 pi
+/// r^2)` over what of the ray is in the cone, which is so little that free paths, and points drawn all along the ray,
+/// end elsewhere. The spot lights beside it shine elsewhere too.
 #[test]
 fn single_scattering_in_the_beam_of_a_spot_light() {
     let sigma = 0.1f64;

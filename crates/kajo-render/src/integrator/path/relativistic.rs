@@ -16,9 +16,10 @@
 //! Light is drawn in the frame of the emitter for the event of the receiver there: what the emitter sends to it left at the retarded moment, which
 //! is no other for the emitter at rest. A shadow ray is light too, tested in every frame.
 //!
-//! Direct light is a sum over frames: at each vertex the integral over directions of the light of each frame's emitters is estimated by one of them, drawn with the
-//! density `q` per solid angle of the vertex's frame, and weighed against the density `p` of scattering by the power heuristic as in path tracing. Light of
-//! one emitter belongs to one term, so light that the path hits is weighed against the draw in the emitter's own frame.
+//! Direct light is a sum over frames: at each vertex the integral over directions of the light of each frame's emitters
+//! is estimated by one of them, drawn with the density `q` per solid angle of the vertex's frame, and weighed against
+//! the density `p` of scattering by the power heuristic as in path tracing. Light of one emitter belongs to one term,
+//! so light that the path hits is weighed against the draw in the emitter's own frame.
 
 use kajo_color::{Spectrum, sensor};
 use kajo_core::bsdf::{Bsdf, Transport};

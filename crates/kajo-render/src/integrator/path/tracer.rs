@@ -652,10 +652,11 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
     }
 
-    /// Direct light at a point `x` in a medium, by next-event estimation. The integral over directions of `p(wo, wi) Li(wi)`, with the phase function `p`,
-    /// is estimated by one light, drawn with the density `q` per solid angle: `p T Le / q`, with the estimate `T` of the transmittance in
-    /// [`PathTracer::add_light_through_media`]. Scattering has the density `p` itself, against which that is weighed. Where light was drawn for the ray that `x`
-    /// lies on too, the share of this estimate is that of [`EquiangularRay::weight_of_collision`].
+    /// Direct light at a point `x` in a medium, by next-event estimation. The integral over directions of `p(wo, wi)
+    /// Li(wi)`, with the phase function `p`, is estimated by one light, drawn with the density `q` per solid angle: `p
+    /// T Le / q`, with the estimate `T` of the transmittance in [`PathTracer::add_light_through_media`]. Scattering has
+    /// the density `p` itself, against which that is weighed. Where light was drawn for the ray that `x` lies on too,
+    /// the share of this estimate is that of [`EquiangularRay::weight_of_collision`].
     fn add_direct_light_in_medium(
         &mut self,
         path: &mut CameraPath<'s>,

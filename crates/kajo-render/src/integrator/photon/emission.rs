@@ -5,8 +5,9 @@
 //! do elsewhere, with the factor for shading normals and with Russian roulette, so that photons of like power remain
 //! [Jensen 2001, 4].
 //!
-//! In a medium it leaves one at each collision that scatters, of the power `beta / sigma_s` over the number of paths: `beta` has the scattering `sigma_s` per unit length in
-//! it, so that these photons are distributed by volume as radiance is, whatever the medium [Jensen and Christensen 1998].
+//! In a medium it leaves one at each collision that scatters, of the power `beta / sigma_s` over the number of paths:
+//! `beta` has the scattering `sigma_s` per unit length in it, so that these photons are distributed by volume as
+//! radiance is, whatever the medium [Jensen and Christensen 1998].
 //!
 //! The numbers of path `i` of map `k` are those of sample `i` of one pixel of a Sobol sequence, so that the photons of a map are spread
 //! evenly over lights, positions and directions.

@@ -1,30 +1,34 @@
 //! Paths from the camera, and what they take from the maps.
 //!
 //! At a vertex `x` of such a path, with the throughput `beta`, the light of the map is a density estimate: a sum over the `N` photons that lie
-//! within `r` of `x` in the tangent plane. Photons are distributed by area with the density `N / (pi r^2)`, and each carries the power `Φ_j` that came from `wi_j`,
+//! within `r` of `x` in the tangent plane. Photons are distributed by area with the density `N / (pi r^2)`, and each
+//! carries the power `Φ_j` that came from `wi_j`,
 //!
 //! ```text
 //! L = beta / (pi r^2)  sum over |x_j - x| < r  of  f(wo, wi_j) Φ_j                              [Jensen 2001, eq. 7.6]
 //! L = beta (k - 1) / (k pi r_k^2)  sum over the k nearest  of  f(wo, wi_j) Φ_j
 //! ```
 //!
-//! The second one is unbiased where the density is the same all around [Loftsgaarden and Quesenberry 1965]; the first one is what progressive photon mapping
-//! sums, with the radius of its pass. The measure is area on the true surface, so `f |cos|` is divided by the cosine of the geometric normal.
+//! The second one is unbiased where the density is the same all around [Loftsgaarden and Quesenberry 1965]; the first
+//! one is what progressive photon mapping sums, with the radius of its pass. The measure is area on the true surface,
+//! so `f |cos|` is divided by the cosine of the geometric normal.
 //!
-//! In a medium photons are distributed by volume, and the radiance that a phase function scatters is estimated in a ball [Jensen and Christensen 1998, eq. 9],
+//! In a medium photons are distributed by volume, and the radiance that a phase function scatters is estimated in a
+//! ball [Jensen and Christensen 1998, eq. 9],
 //!
 //! ```text
 //! L = beta / (4/3 pi r^3)  sum over |x_j - x| < r  of  p(wo, wi_j) Φ_j / sigma_s(x_j)
 //! ```
 //!
-//! with the scattering `sigma_s` per unit length, which `beta` and `Φ_j` both have in them. Bodies in which light is scattered many times before it leaves
-//! are finer than any ball; through them paths go on. Along rays through homogeneous media progressive photon mapping sums all photons near the ray instead;
-//! see `beam.rs`.
+//! with the scattering `sigma_s` per unit length, which `beta` and `Φ_j` both have in them. Bodies in which light is
+//! scattered many times before it leaves are finer than any ball; through them paths go on. Along rays through
+//! homogeneous media progressive photon mapping sums all photons near the ray instead; see `beam.rs`.
 //!
-//! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid angle, with the power heuristic;
-//! light of one kind is taken either from a map or from these.
+//! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid
+//! angle, with the power heuristic; light of one kind is taken either from a map or from these.
 //!
-//! No photon leaves a medium that emits. Where there is one, paths go on from vertices whose other light was taken from a map, and add what media emit on their way alone.
+//! No photon leaves a medium that emits. Where there is one, paths go on from vertices whose other light was taken from
+//! a map, and add what media emit on their way alone.
 
 use std::f32::consts::PI;
 

@@ -37,9 +37,11 @@
 //!
 //! so that the bias vanishes as `i^(a - 1)` and the variance of the mean still does as `i^-a`. No pass needs what another found.
 //!
-//! In participating media photons are left at collisions, and their light is estimated from those of a small ball [Jensen and Christensen 1998], whose
-//! volume shrinks as the area of the disks does. Paths from the camera end at their first collision, and all but direct light comes from the photons there.
-//! Where the medium is homogeneous progressive photon mapping takes the photons all along a ray, whether or not it collides [Jarosz, Zwicker and Jensen 2008].
+//! In participating media photons are left at collisions, and their light is estimated from those of a small ball
+//! [Jensen and Christensen 1998], whose volume shrinks as the area of the disks does. Paths from the camera end at
+//! their first collision, and all but direct light comes from the photons there. Where the medium is homogeneous
+//! progressive photon mapping takes the photons all along a ray, whether or not it collides [Jarosz, Zwicker and Jensen
+//! 2008].
 
 mod beam;
 pub(super) mod emission;

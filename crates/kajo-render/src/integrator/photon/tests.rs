@@ -246,7 +246,8 @@ fn fog_without_absorption_leaves_an_emissive_room_as_bright_as_it_was() {
     }
 }
 
-/// Fog as hot as the walls of a room that all emit alike is not seen: what it absorbs it emits, and that is scattered and comes back from the walls too.
+/// Fog as hot as the walls of a room that all emit alike is not seen: what it absorbs it emits, and that is scattered
+/// and comes back from the walls too.
 #[test]
 fn fog_as_hot_as_its_room_is_not_seen() {
     let media = [

@@ -6,8 +6,8 @@
 //! L = integral of  T(t) sigma_s d(t) (integral of p(wo, wi) Li(wi) dwi)  dt  +  integral of  T(t) e(t) dt  +  T(s) L(s)
 //! ```
 //!
-//! over the distance `t` to the next surface at `s`: the first one by sampling `t` (a collision that scatters), the second at one point of each stretch without
-//! a collision, the third where the path arrives.
+//! over the distance `t` to the next surface at `s`: the first one by sampling `t` (a collision that scatters), the
+//! second at one point of each stretch without a collision, the third where the path arrives.
 //!
 //! Free paths are drawn by null collisions [Woodcock et al. 1965]: to a medium of density `d` one of particles that do nothing is
 //! added, so that there are `m >= d` everywhere, the majorant. Collisions of that are exponential, and one at a point of
@@ -463,7 +463,8 @@ impl CollisionVisitor<f32> for HotDeltaTracking<'_> {
     }
 }
 
-/// Samples a free path by delta tracking along the ray of a path through a medium, at most `length`; returns the collision that scatters it, if there is one.
+/// Samples a free path by delta tracking along the ray of a path through a medium, at most `length`; returns the
+/// collision that scatters it, if there is one.
 ///
 /// Takes a number for each collision with the majorant and, where the density varies, another one for what it is; where the medium gives
 /// light and scatters, one for each stretch between them.
@@ -547,8 +548,8 @@ pub(super) fn emission_integral(sigma: Spectrum, length: f32) -> Spectrum {
     })
 }
 
-/// Ratio-tracking estimate of the transmittance of a segment that joins two vertices, and the densities of the lanes `r_u` (by free paths) and `r_l` (by this) [Miller,
-/// Georgiev and Jarosz 2019].
+/// Ratio-tracking estimate of the transmittance of a segment that joins two vertices, and the densities of the lanes
+/// `r_u` (by free paths) and `r_l` (by this) [Miller, Georgiev and Jarosz 2019].
 #[derive(Clone, Copy, Debug)]
 pub struct Passage {
     /// The share of light, times the density of what was drawn along the way with the path's hero.

@@ -1,23 +1,24 @@
 //! Points of a ray in a medium drawn by their angle as a light sees them [Kulla and Fajardo 2012].
 //!
 //! Light that comes from a small light and is scattered once on a ray is an integral over the ray of a function with a peak `1 / d^2` where the ray
-//! passes the light at the distance `D`. Free paths do not depend on that. So for a light `l`, drawn for the ray with the probability `P_r(l)`, a distance is drawn with
+//! passes the light at the distance `D`. Free paths do not depend on that. So for a light `l`, drawn for the ray with
+//! the probability `P_r(l)`, a distance is drawn with
 //!
 //! ```text
 //! e(t) = D / ((b - a) (D^2 + (t - s)^2)),    t = s + D tan((1 - u) a + u b)          [Kulla and Fajardo 2012, eq. 4 and 5]
 //! ```
 //!
-//! where `s` is the distance of the point closest to the middle of the light, and `a` and `b` are the angles of the ends of that part of the ray which the light
-//! can reach ([`RaySegment`]): of a spot light, that in its cone. At that point light
-//! is drawn from `l` as at any other. What is found that way and what is found at collisions, where `l` has the probability `P(l)`, count by the power
-//! heuristic of
+//! where `s` is the distance of the point closest to the middle of the light, and `a` and `b` are the angles of the
+//! ends of that part of the ray which the light can reach ([`RaySegment`]): of a spot light, that in its cone. At that
+//! point light is drawn from `l` as at any other. What is found that way and what is found at collisions, where `l` has
+//! the probability `P(l)`, count by the power heuristic of
 //!
 //! ```text
 //! P_r(l) e(t)    against    P(l) mean over lanes of sigma_t T(t)
 //! ```
 //!
-//! both of which are functions of the ray, the distance and the light alone, so that the two weights sum to one. Light that a collision's own direction
-//! meets has the weight of the collision.
+//! both of which are functions of the ray, the distance and the light alone, so that the two weights sum to one. Light
+//! that a collision's own direction meets has the weight of the collision.
 //!
 //! It is done in homogeneous media, for lights so near to a ray that its points do not see them alike, or that reach a part of it alone.
 
@@ -43,7 +44,8 @@ pub struct EquiangularRay {
 }
 
 impl EquiangularRay {
-    /// The ray that a path is about to follow; `None` where no points are drawn: but in one homogeneous medium that scatters, and for lights that have a position.
+    /// The ray that a path is about to follow; `None` where no points are drawn: but in one homogeneous medium that
+    /// scatters, and for lights that have a position.
     ///
     /// * `length`: of the ray to the next surface, perhaps infinite
     pub fn of(scene: &Scene, path: &PathState<'_>, length: f32) -> Option<EquiangularRay> {

@@ -7,8 +7,9 @@
 //! ```
 //!
 //! with the density `p_k` of drawing the same path, null collisions included, if lane `k` were the hero: hero wavelengths [Wilkie et al. 2014] by the
-//! densities of null collisions, the spectral MIS of [Miller, Georgiev and Jarosz 2019]. Two techniques end a path, so there are two of these ratios: `r_u` where
-//! the last segment is a free path (unidirectional), and `r_l` where it is a connection (to a light), which ratio tracking goes along.
+//! densities of null collisions, the spectral MIS of [Miller, Georgiev and Jarosz 2019]. Two techniques end a path, so
+//! there are two of these ratios: `r_u` where the last segment is a free path (unidirectional), and `r_l` where it is a
+//! connection (to a light), which ratio tracking goes along.
 
 use kajo_color::{Spectrum, Wavelengths};
 

@@ -24,7 +24,8 @@
 //! ```
 //!
 //! the generalized geometry term but for the cosine at `x0` [Jakob and Marschner 2012, eq. 11]. Walks take no random numbers, and are
-//! the same for the same ends: for a `y` that was sampled by scattering through some chain, it can be decided whether a walk would have found that very chain.
+//! the same for the same ends: for a `y` that was sampled by scattering through some chain, it can be decided whether a
+//! walk would have found that very chain.
 //!
 //! Walks begin at one object, a caster, in a few directions that depend on its box and both ends. The chain of such a direction is as long
 //! as it comes nearest to `y`, and those that Newton's method would turn least are walked on from. So several chains may be found, each kept once.
@@ -65,7 +66,8 @@ const LAST_TURN: f32 = 5e-4;
 /// Looser threshold on the missed distance, where rounding lets no step reduce it any more.
 const NEAR_ENOUGH: f32 = 2e-4;
 
-/// Solutions whose directions differ by less than this, in radians, are taken for one; for small casters by less than a share of their angular extent.
+/// Solutions whose directions differ by less than this, in radians, are taken for one; for small casters by less than a
+/// share of their angular extent.
 const SAME: f32 = 1e-3;
 const SAME_OF_CASTER: f32 = 0.02;
 
@@ -131,7 +133,8 @@ impl Link {
         }
     }
 
-    /// The same for a surface whose normals are those of its shape and that is there in every sample; `None` for others, on which chains cannot be found again.
+    /// The same for a surface whose normals are those of its shape and that is there in every sample; `None` for
+    /// others, on which chains cannot be found again.
     pub fn at(
         scene: &Scene,
         surface: &SurfaceInteraction,

@@ -19,8 +19,8 @@ pub struct PathState<'s> {
     /// Throughput: what later light is multiplied by, or for a path from a light the power that it carries, each over
     /// the density of the path so far.
     pub beta: Spectrum,
-    /// `beta * eta_scale` is the throughput relative to the initial one and without the factors `1/eta^2` of radiance at interfaces, which cancel when
-    /// the path leaves the body again. Russian roulette goes by it.
+    /// `beta * eta_scale` is the throughput relative to the initial one and without the factors `1/eta^2` of radiance
+    /// at interfaces, which cancel when the path leaves the body again. Russian roulette goes by it.
     pub eta_scale: f32,
     /// Which end the path began at.
     pub mode: Transport,
@@ -108,7 +108,8 @@ impl SurfaceInteraction {
 mod tests {
     use super::*;
 
-    /// Wavefronts keep one for each path, and branches copy one. Differentials take 52 bytes of it, lanes 48, the light of media and how far they reach 20, and the shift of its wavelengths 16.
+    /// Wavefronts keep one for each path, and branches copy one. Differentials take 52 bytes of it, lanes 48, the light
+    /// of media and how far they reach 20, and the shift of its wavelengths 16.
     #[test]
     fn a_path_is_small() {
         assert!(size_of::<PathState<'_>>() <= 464, "{}", size_of::<PathState<'_>>());

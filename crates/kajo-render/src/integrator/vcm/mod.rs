@@ -12,7 +12,8 @@
 //! r_i = r_1 i^((alpha - 1)/2)                                              [Georgiev et al. 2012]
 //! ```
 //!
-//! and balls in media `2 r_1 i^((alpha - 1)/3)`, so their blur goes to nothing. With `alpha = 3/4` it does as `i^(-1/4)`, and the variance of the mean of merged light as `i^(-3/4)`.
+//! and balls in media `2 r_1 i^((alpha - 1)/3)`, so their blur goes to nothing. With `alpha = 3/4` it does as
+//! `i^(-1/4)`, and the variance of the mean of merged light as `i^(-3/4)`.
 //!
 //! Without merging this is the bidirectional integrator, to the bit.
 
@@ -39,7 +40,8 @@ const FIRST_RADIUS: f32 = 2.5;
 
 /// Radius of the balls of the first pass, in radii of its disks.
 ///
-/// Squared error times seconds of a tank of water with a glass ball, lit from outside by a point: 0.31 with 1, 0.12 with 2. Balls are large because few paths scatter in thin media.
+/// Squared error times seconds of a tank of water with a glass ball, lit from outside by a point: 0.31 with 1, 0.12
+/// with 2. Balls are large because few paths scatter in thin media.
 const FIRST_BALL: f32 = 2.0;
 
 /// Parts of the shutter interval in the first pass, where things move.

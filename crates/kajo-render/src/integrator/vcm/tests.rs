@@ -117,7 +117,8 @@ fn merging_and_paths_agree_where_paths_find_all() {
     }
 }
 
-/// A beam from above into smoke in clear glass, seen from the side: no joint finds it. Even, of all colours, of varying density, and two media in one place.
+/// A beam from above into smoke in clear glass, seen from the side: no joint finds it. Even, of all colours, of varying
+/// density, and two media in one place.
 #[test]
 fn merging_alone_finds_a_beam_behind_glass() {
     let media = [

@@ -1,9 +1,10 @@
 //! The records of the paths of a pass, of the light that comes to points in cells, summed exactly.
 //!
-//! A record is a direction in which a path left a vertex, with the density `p` of the mixture, and the light `c` that came back along it, scattered towards the
-//! path: what lights gave at the next vertex, and what surfaces send back there of light that was scattered before. That is taken from the
-//! last pass, as the mean over all records of the cell, so that a path need not have found a light itself [Dahm and Keller 2017]. Of each cell is kept, for the
-//! leaves of a tree of squares and for some shares `a`,
+//! A record is a direction in which a path left a vertex, with the density `p` of the mixture, and the light `c` that
+//! came back along it, scattered towards the path: what lights gave at the next vertex, and what surfaces send back
+//! there of light that was scattered before. That is taken from the last pass, as the mean over all records of the
+//! cell, so that a path need not have found a light itself [Dahm and Keller 2017]. Of each cell is kept, for the leaves
+//! of a tree of squares and for some shares `a`,
 //!
 //! ```text
 //! S = sum of c/p                                    an estimate of N times the integral of c over the leaf

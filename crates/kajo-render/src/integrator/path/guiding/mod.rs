@@ -1,18 +1,22 @@
 //! Path guiding: directions drawn by where light has come from [Müller, Gross and Novák 2017], [Müller 2019].
 //!
-//! Before the picture is taken, photons and training paths are followed, which do not contribute to the picture. The light that they find is recorded for the places and
-//! directions that it came from, in passes each of which is twice as long as the one before, and is guided by what was learned by then. The
-//! picture's own paths go on, at surfaces that reflect light into more than single directions, by a mixture of scattering and what is known of the
-//! place; its share is that by which the paths of the last pass would have been the closest to the light. A light is drawn at every vertex as ever.
+//! Before the picture is taken, photons and training paths are followed, which do not contribute to the picture. The
+//! light that they find is recorded for the places and directions that it came from, in passes each of which is twice
+//! as long as the one before, and is guided by what was learned by then. The picture's own paths go on, at surfaces
+//! that reflect light into more than single directions, by a mixture of scattering and what is known of the place; its
+//! share is that by which the paths of the last pass would have been the closest to the light. A light is drawn at
+//! every vertex as ever.
 //!
-//! At a vertex the reflected light is the integral of `f |cos| Li` over directions. One direction estimates it, drawn with the density per solid angle
+//! At a vertex the reflected light is the integral of `f |cos| Li` over directions. One direction estimates it, drawn
+//! with the density per solid angle
 //!
 //! ```text
 //! p(w) = a p_s(w) + (1 - a) p_g(w),        beta <- beta f |cos| / p(w)
 //! ```
 //!
-//! of scattering, `p_s`, and of the guide of the cell that the vertex is in, `p_g`: piecewise constant on a tree of squares, which map to the sphere by equal
-//! areas. The share `a` is chosen for each cell; see `collector.rs`. In MIS weights against the draw of a light `p` stands in the place of `p_s`.
+//! of scattering, `p_s`, and of the guide of the cell that the vertex is in, `p_g`: piecewise constant on a tree of
+//! squares, which map to the sphere by equal areas. The share `a` is chosen for each cell; see `collector.rs`. In MIS
+//! weights against the draw of a light `p` stands in the place of `p_s`.
 //!
 //! What was learned is a function of the scene, the seed and the settings: records are summed in whole numbers, and trees change between
 //! passes only. The paths of the picture are independent of the training paths, so that each of their samples is unbiased by itself.

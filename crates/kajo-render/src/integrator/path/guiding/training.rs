@@ -2,8 +2,8 @@
 //!
 //! Photons come first: where they arrive, of light that connections with a light do not find, is where paths should look. Then paths are
 //! followed in passes, pass `k` with `2^k` times as many as the first, spread over the whole picture. The first goes by scattering, and
-//! records how much light surfaces send back; each other one is guided by the records of all before it. Between passes squares and cells are divided where
-//! much was found.
+//! records how much light surfaces send back; each other one is guided by the records of all before it. Between passes
+//! squares and cells are divided where much was found.
 //!
 //! Along a path the mixture's densities over those of scattering multiply to the *gain* `g`. Its logarithm, weighed by the light that is found,
 //!

@@ -218,8 +218,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
     }
 
-    /// The end of chains to a light: a point of its surface, a position, or a direction, which alone has its radiance; and the density with which it was drawn, the
-    /// choice of the light included.
+    /// The end of chains to a light: a point of its surface, a position, or a direction, which alone has its radiance;
+    /// and the density with which it was drawn, the choice of the light included.
     fn end_of_chains(
         &self,
         state: &mut PathState<'s>,
