@@ -83,7 +83,7 @@ pub struct SettingsContext<'a> {
 }
 
 impl SettingsContext<'_> {
-    /// Paths from lights for a pass, unless something else is said: so many for each pixel, but within [`PATHS_OF_PASS`].
+    /// Paths from lights for a pass, unless something else is said: so many for each pixel, but from 10,000 to a million.
     ///
     /// * `each`: at least 1
     pub fn paths_for_pixels(&self, each: u32) -> u32 {
