@@ -31,8 +31,8 @@ pub struct SampleContext<'a> {
     /// The rule by which samples are spread.
     pub sampler: &'a Sampler,
     /// Seed of every random number.
-    pub seed: u64,
-    /// The key of the seed.
+    seed: u64,
+    /// Its key, which every sample asks for.
     key: Key,
     /// Index of the sample within its pixel.
     pub index: u32,
@@ -78,6 +78,11 @@ impl<'a> SampleContext<'a> {
     /// Whether the last sample was given up, so that it is to be thrown away.
     pub(crate) fn is_interrupted(&self) -> bool {
         self.interrupt.is_some_and(Interrupt::is_raised)
+    }
+
+    /// Seed of every random number.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// Makes ready for sample `index` of `pixel`, and says where it lies relative to the pixel's top left corner.

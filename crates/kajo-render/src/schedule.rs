@@ -319,7 +319,7 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
     part.reset(&tile);
     let wants_auxiliary = part.spec().layers.wants_auxiliary();
     // The halves of a film are two renders with seeds of their own.
-    let halves = part.spec().halves.then(|| [ctx.seed, mix(ctx.seed)].map(Key::new));
+    let halves = part.spec().halves.then(|| [ctx.seed(), mix(ctx.seed())].map(Key::new));
     let indices = unit.indices(ctx.sampler);
     let (mut untold, mut rays_told) = (0, ctx.rays.total());
     for y in tile.y0..tile.y1 {

@@ -40,7 +40,7 @@
 //! Balls hold few points where connections find much: a vertex in a medium is merged only if light comes to it and
 //! leaves it by mirrors or clear boundaries, so that it can be connected with neither neighbour. Whether that is so is
 //! known from each side once the path has gone on, and what merging adds to the sums waits until then:
-//! [`WithMedia::merged`]. Until the next vertex is known to be a mirror, `d_vcm` of the vertex is without it, as it has
+//! [`WithMedia::merged`](super::WithMedia::merged). Until the next vertex is known to be a mirror, `d_vcm` of the vertex is without it, as it has
 //! to be for connections.
 //!
 //! What moves is merged with light of its own moment: the shutter interval is divided into equal parts, `eta` becomes that of one of them, and
@@ -57,7 +57,7 @@ use kajo_math::rng::mix;
 
 use super::partial_mis::square;
 use super::techniques::AllTechniques;
-use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, VertexCounts, Volume, WithMedia};
+use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, VertexCounts, Volume};
 use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored, dither};
 use crate::integrator::transport::{LaneMis, SurfaceInteraction};
 use crate::trail::{Counting, PathObserver};
@@ -72,7 +72,7 @@ const PATHS_A_TASK: u32 = 4096;
 /// Most parts of a shutter interval.
 const MOST_MOMENTS: u32 = 250;
 
-/// The density of merging in weights, in parts of the true one: all samples of a pass share its vertices, while those that are joined are
+/// The density of merging in weights, in parts of the true one: all samples of a pass share its vertices, while those that are connected are
 /// their own.
 ///
 /// By relative variance of `gallery/looking_glass.txt` at equal samples: 1.46 with 1, 1 with 1/10, 1.12 with 1/50. Light that merging
@@ -84,7 +84,7 @@ const LARGEST_BALL: f32 = 0.5;
 
 /// The ball around a vertex in a medium in which it is merged.
 #[derive(Clone, Copy, Debug)]
-struct MergeBall {
+pub struct MergeBall {
     /// World units.
     radius: f32,
     /// `eta^2`.
@@ -131,6 +131,16 @@ pub struct LightVertex {
     group: LightGroup,
     /// Part of the shutter interval.
     moment: u8,
+}
+
+impl LightVertex {
+    /// Whether a path from the camera may be merged with it.
+    ///
+    /// * `most`: scatterings before it that the path may still have
+    /// * `moment`: part of the shutter interval
+    fn completes(&self, most: u32, moment: u8) -> bool {
+        u32::from(self.scatterings) <= most && self.moment == moment
+    }
 }
 
 impl Stored for LightVertex {
@@ -237,16 +247,20 @@ impl Merging {
         MergeBall { radius, density2: density * density, kernel: (1.0 / volume) as f32 }
     }
 
-    /// Notes that a vertex in a medium can be merged, if so.
+    /// Notes that a vertex in a medium can be merged, and with what is in which ball, if so.
     ///
     /// * `connectable`: whether it can be connected with the vertex before
     #[inline(never)]
-    pub fn weigh_in_medium<'s, V: Volume<'s>>(&self, vertex: &mut Vertex<'s, V>, connectable: bool) {
-        let p = vertex.at.p;
-        if let Some(volume) = vertex.volume.with_media_mut().filter(|_| !connectable) {
-            volume.merged = self.ball(volume.sigma_t).density2;
-            vertex.merged_at = Some(p);
-        }
+    pub fn weigh_in_medium<'s, V: Volume<'s>>(
+        &self,
+        vertex: &mut Vertex<'s, V>,
+        connectable: bool,
+    ) -> Option<MergeBall> {
+        let volume = vertex.volume.with_media_mut().filter(|_| !connectable)?;
+        let ball = self.ball(volume.sigma_t);
+        volume.merged = ball.density2;
+        vertex.merged_at = Some(vertex.at.p);
+        Some(ball)
     }
 
     /// The weight of merging `y` with `z` [Georgiev 2012, eq. 37 to 39].
@@ -424,7 +438,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let (moment, most) = (merging.moment(end.carried.time), self.longest() - 1 - end.t);
         let point = GatherPoint { p, n: z.at.ng };
         merging.map.within(&point, merging.pass.radius, |y| {
-            if u32::from(y.scatterings) > most || y.moment != moment {
+            if !y.completes(most, moment) {
                 return;
             }
             let wi = y.photon.wi();
@@ -449,14 +463,11 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) {
-        merging.weigh_in_medium(z, end.path.state.connectable);
-        let (Some(p), Some(&WithMedia { sigma_t, .. })) = (z.merged_at, z.volume.with_media()) else {
-            return;
-        };
+        let Some(ball) = merging.weigh_in_medium(z, end.path.state.connectable) else { return };
+        let MergeBall { radius, density2, kernel } = ball;
         let (moment, most) = (merging.moment(end.carried.time), self.longest() - 1 - end.t);
-        let MergeBall { radius, density2, kernel } = merging.ball(sigma_t);
-        merging.in_media.within_ball(p, radius, |y| {
-            if u32::from(y.scatterings) > most || y.moment != moment {
+        merging.in_media.within_ball(z.at.p, radius, |y| {
+            if !y.completes(most, moment) {
                 return;
             }
             let light = z.beta * z.gathered(y.photon.wi()) * y.photon.power() * kernel;

@@ -319,7 +319,9 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             if let Some(merging) = techniques.merging() {
                 match collision {
                     None => merging.weigh(scene, &surface, &mut vertex),
-                    Some(_) => merging.weigh_in_medium(&mut vertex, path.state.connectable),
+                    Some(_) => {
+                        merging.weigh_in_medium(&mut vertex, path.state.connectable);
+                    }
                 }
             }
             vertices.push(vertex);

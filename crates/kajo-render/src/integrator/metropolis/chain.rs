@@ -90,7 +90,7 @@ impl<'a> Evaluation<'a> {
     pub fn of(mutated: Mutated<'a>, size: [u32; 2], ctx: &mut SampleContext<'_>) -> Self {
         let [a, b] = [0, 1].map(|d| ctx.draws.stream().bits(d));
         let scratch = std::mem::take(&mut ctx.scratch);
-        let key = Key::new(ctx.seed ^ SALT).part([a, b]);
+        let key = Key::new(ctx.seed() ^ SALT).part([a, b]);
         Evaluation { scratch, rays: ctx.rays, key, ..Evaluation::alone(mutated, size) }
     }
 

@@ -225,7 +225,7 @@ impl Chains<'_> {
         let [columns, rows] = size.map(|side| side.div_ceil(BLOCK));
         let place = block[0] + block[1] * columns;
         let chain = u64::from(place) + u64::from(ctx.index) * u64::from(columns) * u64::from(rows);
-        let Some(start) = self.starts.draw(ctx.seed, block, ctx.index, chain) else { return };
+        let Some(start) = self.starts.draw(ctx.seed(), block, ctx.index, chain) else { return };
         let mut evaluation = Evaluation::of(self.of.mutated(), size, ctx);
         let mut chain = Chain::new(start, &mut evaluation);
         let b = self.starts.brightness_of(&start);
