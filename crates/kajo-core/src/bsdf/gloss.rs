@@ -85,8 +85,12 @@ impl Gloss {
         if self.n < 1.0 + MATCHED {
             return (0.0, 0.0);
         }
-        let m = (wo + wi).normalize_or_zero();
-        let once = self.facets.mirror_lobe(wo, wi, m) * fresnel::dielectric(wo.dot(m), self.n);
+        let sum = wo + wi;
+        let m = sum.normalize_or_zero();
+        // The cosine of both with `m`. Where they are nearly opposite, rounded unit vectors have two others, and Fresnel's term
+        // would not be the same both ways.
+        let cos = 0.5 * sum.length();
+        let once = self.facets.mirror_lobe(wo, wi, m) * fresnel::dielectric(cos, self.n);
         let again = self.loss.returned(false, wi);
         let share = self.again(wo);
         let again_pdf = if share > 0.0 { self.loss.thin_pdf(wi) } else { 0.0 };

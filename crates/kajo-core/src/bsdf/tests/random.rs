@@ -95,6 +95,21 @@ proptest! {
     }
 }
 
+/// Along the surface from opposite sides, where the half vector is the small difference of two unit vectors.
+#[test]
+fn grazing_light_is_alike_both_ways() {
+    let layers = Principled {
+        color: Spectrum::WHITE,
+        specular: Specular::Factor(Spectrum::rgb(0.0, 0.0, 0.1649199)),
+        alpha: Vec2::new(1.0, 0.0),
+        eta: 1.5672308,
+        ..Principled::default()
+    };
+    let wo = Vec3::new(-0.010407319, -0.9990829, 0.041534066);
+    let wi = Vec3::new(-0.04641022, 0.998842, 0.012673676);
+    check(&Bsdf::Principled(layers), (wo, wi), (Vec2::ZERO, 0.0)).expect("the same both ways");
+}
+
 fn check(lobe: &Bsdf<'_>, (wo, wi): (Vec3, Vec3), (u, uc): (Vec2, f32)) -> Result<(), TestCaseError> {
     for mode in [Transport::Radiance, Transport::Importance] {
         let f = lobe.eval(wo, wi, mode);
