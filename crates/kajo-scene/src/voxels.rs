@@ -34,6 +34,9 @@ pub trait VoxelValue: Copy + Default + PartialEq + Send + Sync + 'static {
     /// A value of its numbers; as many as [`VoxelValue::CHANNELS`].
     fn from_numbers(numbers: &[f32]) -> Self;
 
+    /// Its numbers.
+    fn numbers(&self) -> &[f32];
+
     /// What tells values apart.
     fn bits(self) -> [u32; 3];
 }
@@ -43,6 +46,10 @@ impl VoxelValue for f32 {
 
     fn from_numbers(numbers: &[f32]) -> f32 {
         numbers[0]
+    }
+
+    fn numbers(&self) -> &[f32] {
+        std::slice::from_ref(self)
     }
 
     fn bits(self) -> [u32; 3] {
@@ -55,6 +62,10 @@ impl VoxelValue for [f32; 3] {
 
     fn from_numbers(numbers: &[f32]) -> [f32; 3] {
         [numbers[0], numbers[1], numbers[2]]
+    }
+
+    fn numbers(&self) -> &[f32] {
+        self
     }
 
     fn bits(self) -> [u32; 3] {

@@ -129,18 +129,35 @@ pub enum GridSource<'t> {
     /// Numbers in a box.
     Dense(VoxelValues),
     /// A grid of a file that says where its voxels are.
-    Voxels(Box<FileVoxels<'t>>),
+    Voxels(Box<FileGrid<'t>>),
 }
 
-/// A grid of a file that says where its voxels are.
-pub struct FileVoxels<'t> {
-    pub grid: VoxelGrid<f32>,
+/// A grid of a file that says where its voxels are, not read yet.
+pub struct FileGrid<'t> {
+    pub file: At<'t, FileName>,
+    entry: GridEntry,
+    /// Its place in the file.
+    index: usize,
+    /// The corners that the scene gives to its box.
+    corners: [Option<Vec3>; 2],
+}
+
+impl FileGrid<'_> {
+    /// Whether its voxels hold colours.
+    pub fn has_colors(&self) -> bool {
+        self.entry.channels == Ok(<[f32; 3]>::CHANNELS)
+    }
+}
+
+/// The voxels of a grid of a file.
+pub struct FileVoxels<'t, T = f32> {
+    pub grid: VoxelGrid<T>,
     pub file: At<'t, FileName>,
     /// The corners that the scene gives to its box.
     pub corners: [Option<Vec3>; 2],
 }
 
-impl FileVoxels<'_> {
+impl<T: VoxelValue> FileVoxels<'_, T> {
     /// The box of the voxels in the world, by the file.
     ///
     /// * `margin`: what is left out on each side, in voxels
@@ -164,7 +181,10 @@ impl Compiler<'_> {
     pub(super) fn grid(&mut self, item: Item<'_>, keys: GridKeys<'_>) -> Option<VoxelValues> {
         match self.grid_source(keys)? {
             GridSource::Dense(grid) => Some(grid),
-            GridSource::Voxels(voxels) => self.points(item, *voxels),
+            GridSource::Voxels(voxels) => {
+                let voxels = self.file_voxels(*voxels)?;
+                self.points(item, voxels)
+            }
         }
     }
 
@@ -211,12 +231,9 @@ impl Compiler<'_> {
                 let raw =
                     size.map(|size| RawVolume { size, encoding: encoding.unwrap_or(VolumeEncoding::F32) });
                 if raw.is_none() && self.has_grids(&file)? {
-                    let grid = self.voxels(&file, grid.as_ref(), "density")?;
-                    return Some(GridSource::Voxels(Box::new(FileVoxels {
-                        grid,
-                        file,
-                        corners: [min, max],
-                    })));
+                    let (index, entry) = self.grid_of_file(&file, grid.as_ref(), "density")?;
+                    let corners = [min, max];
+                    return Some(GridSource::Voxels(Box::new(FileGrid { file, entry, index, corners })));
                 }
                 if let Some(At { item, .. }) = grid {
                     let message = format!("there is one grid in `{}`, and it has no name", file.value.0);
@@ -254,17 +271,33 @@ impl Compiler<'_> {
     }
 
     /// A grid of a file, whose memory is taken for good.
+    pub(super) fn file_voxels<'t, T: VoxelValue>(&mut self, grid: FileGrid<'t>) -> Option<FileVoxels<'t, T>> {
+        let FileGrid { file, index, corners, .. } = grid;
+        Some(FileVoxels { grid: self.read_grid(&file, index)?, file, corners })
+    }
+
+    /// A grid of a file by its name, whose memory is taken for good.
+    pub(super) fn voxels<T: VoxelValue>(
+        &mut self,
+        file: &At<'_, FileName>,
+        name: &At<'_, GridName>,
+    ) -> Option<VoxelGrid<T>> {
+        let (index, _) = self.grid_of_file(file, Some(name), "")?;
+        self.read_grid(file, index)
+    }
+
+    /// Which grid of a file it is, and what the file says of it.
     ///
     /// * `named`: its name; without one it is that of the name `usual`, or the first one that has numbers
-    pub(super) fn voxels<T: VoxelValue>(
+    fn grid_of_file(
         &mut self,
         file: &At<'_, FileName>,
         named: Option<&At<'_, GridName>>,
         usual: &str,
-    ) -> Option<VoxelGrid<T>> {
+    ) -> Option<(usize, GridEntry)> {
         let limits = &self.options.limits;
         let entries = list_vdb(self.opened(file)?, limits).map_err(|error| error.to_string());
-        let entries = entries.map_err(|reason| self.unreadable(file, reason)).ok()?;
+        let mut entries = entries.map_err(|reason| self.unreadable(file, reason)).ok()?;
         let index = match named {
             Some(At { value: GridName(name), item }) => {
                 let index = entries.iter().position(|entry| entry.name == *name);
@@ -294,6 +327,10 @@ impl Compiler<'_> {
                 found?
             }
         };
+        Some((index, entries.swap_remove(index)))
+    }
+
+    fn read_grid<T: VoxelValue>(&mut self, file: &At<'_, FileName>, index: usize) -> Option<VoxelGrid<T>> {
         let limits = &self.options.limits;
         let read = read_vdb(self.opened(file)?, index, limits).map_err(|error| error.to_string());
         let kept = read.and_then(|mut grid: VoxelGrid<T>| {

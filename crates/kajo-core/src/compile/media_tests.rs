@@ -40,9 +40,12 @@ fn cloud_vdb() -> Vec<u8> {
     colors.kind = VdbKind::Vec3;
     let mut bright = smoke("bright", [0.5, 1.5]);
     bright.kind = VdbKind::Vec3;
+    let mut dark = smoke("dark", [1.0, -0.5]);
+    dark.kind = VdbKind::Vec3;
     let grids = vec![
         colors,
         bright,
+        dark,
         smoke("flame", [2.0, 3.0]),
         smoke("density", [1.0, 0.5]),
         smoke("sdf", [1.0, -0.5]),
@@ -133,6 +136,7 @@ fn grids_come_from_files_and_from_the_text() {
         "GridMedium m { file cloud.vdb sigma_a 0 temperature flame }",
         "GridMedium m { file cloud.vdb density 1 albedoGrid Cd temperature flame }",
         "GridMedium m { file cloud.vdb temperature flame }",
+        "GridMedium m { file cloud.vdb grid bright density 1 albedoGrid Cd temperature flame max 19 1 1 }",
         "FunctionMedium m { function = x + y density 1 }",
         "Medium m { emission blackbody 1900 5 }",
         "Medium m { emission 1 2 3  sigma_a 1 } exterior m",
@@ -163,6 +167,17 @@ fn voxels_of_a_file_have_their_places() {
         let found = places.map(|x| scene.appearance.density(air, Vec3::new(x, y, y)));
         assert_eq!(found, [1.0, 0.0, 0.5], "{text}");
     }
+}
+
+/// A grid of colours has a density for each of red, green and blue; that of all is the largest.
+#[test]
+fn colours_of_a_file_are_densities() {
+    let (scene, said) = media("GridMedium m { file cloud.vdb grid bright density 2 } exterior m");
+    let scene = scene.filter(|_| said.is_empty()).unwrap_or_else(|| panic!("{said:?}"));
+    let (air, media) = (scene.lighting.air.expect("the air"), &scene.appearance.media);
+    assert!(media.has_colored_density(air));
+    let found = [8.0, 12.0].map(|x| scene.appearance.density(air, x * Vec3::X));
+    assert_eq!(found, [0.5, 1.5]);
 }
 
 #[test]
@@ -246,10 +261,8 @@ fn mistakes_are_named() {
         ("GridMedium m { density 1 file short.df3 }", "the file ends after 1 of its 729 values"),
         ("GridMedium m { density 1 file empty.vol }", "the file ends within its header"),
         ("GridMedium m { density 1 file cloud.vdb grid flames }", "there is no grid `flames` in `cloud.vdb`"),
-        (
-            "GridMedium m { density 1 file cloud.vdb grid Cd }",
-            "the grid `Cd` has 3 numbers in a voxel, not 1",
-        ),
+        ("GridMedium m { density 1 file cloud.vdb grid dark }", "voxel (2, 0, 0) of the grid is -0.5"),
+        ("IndexGrid m { file cloud.vdb grid Cd }", "the grid `Cd` has 3 numbers in a voxel, not 1"),
         ("GridMedium m { density 1 file cloud.vdb grid sdf }", "voxel (2, 0, 0) of the grid is -0.5"),
         ("GridMedium m { density 1 file cloud.vdb min 99 0 0 }", "`min` must be less"),
         ("GridMedium m { density 1 file cloud.df3 grid density }", "there is one grid in `cloud.df3`"),

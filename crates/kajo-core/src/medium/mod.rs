@@ -46,12 +46,12 @@ pub use majorant::Majorants;
 pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
 pub use phase::{Phase, PhaseAtWavelengths, PhaseSample};
 pub use placed_voxels::{PlacedVoxels, affine};
-pub use sparse::SparseGridMedium;
+pub use sparse::{DensityVoxel, SparseGridMedium};
 pub use subsurface::albedo_of;
 pub use textured::TextureMedium;
 pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 
-use kajo_color::Wavelengths;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::curved_light::{Chords, ConservedQuantity, Followed, RayState, Region};
@@ -74,6 +74,16 @@ pub trait Medium {
 
     /// The density at a world-space point, not negative.
     fn density(&self, textures: &Textures, p: Vec3) -> f32;
+
+    /// Whether wavelengths have different shares of the density, which are those of [`Medium::density_shares`].
+    fn has_colored_density(&self) -> bool {
+        false
+    }
+
+    /// The share that each wavelength has of the density at a world-space point, from 0 to 1.
+    fn density_shares(&self, _p: Vec3, _wavelengths: &Wavelengths) -> Spectrum {
+        Spectrum::WHITE
+    }
 
     /// Bounds on the density along a ray in world space, from its start on.
     ///
@@ -139,6 +149,9 @@ pub trait Medium {
     }
 }
 
+/// A medium by a grid of colours.
+pub type ColoredGridMedium = SparseGridMedium<[f32; 3]>;
+
 family! {
     /// Names a medium in [`Media`].
     handle MediumId;
@@ -149,6 +162,7 @@ family! {
     contract Medium;
     members {
         black_holes: BlackHole,
+        colored_grids: ColoredGridMedium,
         functions: FunctionMedium,
         gradient_indices: GradientIndex,
         grids: GridMedium,
@@ -168,6 +182,10 @@ family! {
         fn coefficients() -> &Coefficients;
         /// See [`Medium::density`].
         fn density(textures: &Textures, p: Vec3) -> f32;
+        /// See [`Medium::has_colored_density`].
+        fn has_colored_density() -> bool;
+        /// See [`Medium::density_shares`].
+        fn density_shares(p: Vec3, wavelengths: &Wavelengths) -> Spectrum;
         /// See [`Medium::majorants`].
         fn majorants(ray: &Ray) -> Majorants<'_>;
         /// See [`Medium::bounds`].

@@ -3,13 +3,23 @@
 //! As in [`GridMedium`](super::GridMedium), values belong to the middles of voxels, and are interpolated linearly along the three axes of the
 //! grid between them. The ray is taken to the space of the voxels, where the bounds on its stretches are.
 //!
+//! Voxels may hold a number, or three, of red, green and blue: then extinction has a colour `c` at each place, of which the density is the
+//! largest part, `d = max(c)`, and each wavelength `i` has its share,
+//!
+//! ```text
+//! sigma_t[i](x) = sigma_t[i] d(x) s[i](x),    0 <= s[i] <= 1
+//! ```
+//!
+//! with `s` the reflectance of the colour `c / d`, so that bounds on the density hold for all wavelengths.
+//!
 //! Scene: `Media { GridMedium cloud { file cloud.vdb  grid density  density 20  albedo 1 } }`
 
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Aabb, Ray, Vec3};
-use kajo_scene::{Block, SparseVoxels};
+use kajo_scene::{Block, SparseVoxels, VoxelValue};
 
 use super::{Coefficients, GridError, MajorantGrid, Majorants, Medium, PlacedVoxels};
-use crate::texture::Textures;
+use crate::texture::{Textures, rgb_reflectance};
 
 /// Voxels that share a bound, along an axis, at least.
 const LEAST_BLOCK: u32 = 4;
@@ -17,23 +27,67 @@ const LEAST_BLOCK: u32 = 4;
 /// Bounds along an axis, at most.
 const MOST_CELLS: u32 = 64;
 
+/// What a voxel holds of a medium.
+pub trait DensityVoxel: VoxelValue {
+    /// Whether the density has a colour.
+    const IS_COLORED: bool;
+
+    /// The density at a world-space point, interpolated: of one with a colour the largest part.
+    fn density(grid: &PlacedVoxels<Self>, p: Vec3) -> f32;
+
+    /// The shares that wavelengths have of it, from 0 to 1.
+    fn shares(grid: &PlacedVoxels<Self>, p: Vec3, wavelengths: &Wavelengths) -> Spectrum;
+}
+
+impl DensityVoxel for f32 {
+    const IS_COLORED: bool = false;
+
+    fn density(grid: &PlacedVoxels, p: Vec3) -> f32 {
+        grid.at(p)
+    }
+
+    fn shares(_: &PlacedVoxels, _: Vec3, _: &Wavelengths) -> Spectrum {
+        Spectrum::WHITE
+    }
+}
+
+impl DensityVoxel for [f32; 3] {
+    const IS_COLORED: bool = true;
+
+    fn density(grid: &PlacedVoxels<[f32; 3]>, p: Vec3) -> f32 {
+        color_at(grid, p).max_element()
+    }
+
+    fn shares(grid: &PlacedVoxels<[f32; 3]>, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+        let color = color_at(grid, p);
+        let most = color.max_element();
+        if most > 0.0 { rgb_reflectance((color / most).to_array(), wavelengths) } else { Spectrum::BLACK }
+    }
+}
+
+fn color_at(grid: &PlacedVoxels<[f32; 3]>, p: Vec3) -> Vec3 {
+    let mut color = Vec3::ZERO;
+    grid.around(p, |value: [f32; 3], weight| color += weight * Vec3::from(value));
+    color
+}
+
 /// A medium by voxels of which most may be empty.
 #[derive(Clone, Debug)]
-pub struct SparseGridMedium {
+pub struct SparseGridMedium<T = f32> {
     coefficients: Coefficients,
-    grid: PlacedVoxels,
+    grid: PlacedVoxels<T>,
     /// In the space of the voxels.
     majorants: MajorantGrid,
     /// Around all of it in the world.
     bounds: Aabb,
 }
 
-impl SparseGridMedium {
+impl<T: DensityVoxel> SparseGridMedium<T> {
     /// * `coefficients`: of the density 1
     ///
     /// # Errors
     /// [`GridError::Voxel`] for a density that is none.
-    pub fn new(coefficients: Coefficients, grid: PlacedVoxels) -> Result<SparseGridMedium, GridError> {
+    pub fn new(coefficients: Coefficients, grid: PlacedVoxels<T>) -> Result<SparseGridMedium<T>, GridError> {
         let extent = grid.extent();
         let bounds = grid.transform.bounds(&extent);
         let majorants = majorants(&grid.voxels, extent)?;
@@ -42,7 +96,7 @@ impl SparseGridMedium {
 }
 
 /// Bounds on what interpolation makes of voxels, by cells of their box.
-fn majorants(voxels: &SparseVoxels<f32>, extent: Aabb) -> Result<MajorantGrid, GridError> {
+fn majorants<T: VoxelValue>(voxels: &SparseVoxels<T>, extent: Aabb) -> Result<MajorantGrid, GridError> {
     let size = voxels.size();
     let cells = size.map(|n| n.div_ceil(LEAST_BLOCK).min(MOST_CELLS));
     let mut maxima = vec![0f32; cells.into_iter().product::<u32>() as usize];
@@ -50,11 +104,13 @@ fn majorants(voxels: &SparseVoxels<f32>, extent: Aabb) -> Result<MajorantGrid, G
     let offset = voxels.offset();
     voxels.for_each_block(|low, high, block| {
         let mut largest = 0f32;
-        let mut check = |voxel: [u32; 3], value: f32| {
-            if !value.is_finite() || value < 0.0 {
-                wrong = wrong.or(Some(GridError::Voxel { voxel, value }));
+        let mut check = |voxel: [u32; 3], held: T| {
+            for &value in held.numbers() {
+                if !value.is_finite() || value < 0.0 {
+                    wrong = wrong.or(Some(GridError::Voxel { voxel, value }));
+                }
+                largest = largest.max(value);
             }
-            largest = largest.max(value);
         };
         match block {
             Block::Constant(value) => check(low, value),
@@ -95,7 +151,7 @@ fn majorants(voxels: &SparseVoxels<f32>, extent: Aabb) -> Result<MajorantGrid, G
     }
 }
 
-impl Medium for SparseGridMedium {
+impl<T: DensityVoxel> Medium for SparseGridMedium<T> {
     fn is_finite(&self) -> bool {
         self.bounds.is_finite()
     }
@@ -106,7 +162,15 @@ impl Medium for SparseGridMedium {
     }
 
     fn density(&self, _textures: &Textures, p: Vec3) -> f32 {
-        self.grid.at(p)
+        T::density(&self.grid, p)
+    }
+
+    fn has_colored_density(&self) -> bool {
+        T::IS_COLORED
+    }
+
+    fn density_shares(&self, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+        T::shares(&self.grid, p, wavelengths)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -223,6 +287,45 @@ mod tests {
                 }
             }
             assert!(met > 100, "{met}");
+        }
+    }
+
+    /// Of a colour the largest part is the density, whose bounds hold, and wavelengths have shares of it.
+    #[test]
+    fn colours_are_densities_and_shares() {
+        let mut grid = VdbGrid::new("Cd", VdbKind::Vec3, VdbMap::Uniform(1.0));
+        grid.set([0, 0, 0], [4.0, 2.0, 0.0]);
+        grid.set([1, 0, 0], [0.0, 1.0, 2.0]);
+        grid.set([3, 0, 0], [0.0; 3]);
+        let file =
+            VdbFile { version: 224, compression: VdbCompression::None, masks: true, grids: vec![grid] };
+        let assets = MemoryAssets::new().with("v", file.to_bytes());
+        let read: VoxelGrid<[f32; 3]> =
+            read_vdb(assets.open("v", "").unwrap(), 0, &Limits::default()).unwrap();
+        let coefficients = Coefficients::new([0.0; 3], [1.0; 3], Phase::Isotropic).unwrap();
+        let placed = PlacedVoxels::new(read.voxels, &affine(&read.map)).unwrap();
+        let medium = SparseGridMedium::new(coefficients, placed).unwrap();
+        assert!(medium.has_colored_density());
+        for (x, density, shares) in [
+            (0.0, 4.0, [1.0, 0.5, 0.0]),
+            (0.25, 3.0, [1.0, 1.75 / 3.0, 0.5 / 3.0]),
+            (0.5, 2.0, [1.0, 0.75, 0.5]),
+            (0.75, 1.5, [1.0 / 1.5, 1.25 / 1.5, 1.0]),
+            (1.5, 1.0, [0.0, 0.5, 1.0]),
+            (2.5, 0.0, [0.0; 3]),
+        ] {
+            let p = Vec3::new(x, 0.0, 0.0);
+            assert_eq!(medium.density(&Textures::default(), p), density, "{x}");
+            let found = medium.density_shares(p, &Wavelengths::RGB).to_rgb();
+            assert!((0..3).all(|i| (found[i] - shares[i]).abs() < 1e-6), "{x}: {found:?}");
+            for u in [0.2, 0.6] {
+                let wavelengths = Wavelengths::sample(u);
+                let found = medium.density_shares(p, &wavelengths);
+                assert!((0..4).all(|i| (0.0..=1.0).contains(&found[i])), "{x} {u}: {found:?}");
+            }
+            let ray = Ray::new(p, Vec3::Y);
+            let most = medium.majorants(&ray).map(|m| m.density).fold(0.0, f32::max);
+            assert!(most >= density, "{x}: {most}");
         }
     }
 

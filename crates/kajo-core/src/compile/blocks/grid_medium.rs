@@ -9,11 +9,11 @@ use crate::compile::Compiler;
 use crate::compile::fields::{
     At, Keys, Sources, Typed, at_least, keys, number, report_beside, report_without,
 };
-use crate::compile::grid::{FileVoxels, GridKeys, GridName, GridSource, VoxelValues, grid_keys};
+use crate::compile::grid::{FileGrid, FileVoxels, GridKeys, GridName, GridSource, VoxelValues, grid_keys};
 use crate::compile::member::{MediumMember, Member};
 use crate::medium::{
-    AlbedoGrid, AlbedoGridError, Coefficients, DensityGrid, GridError, GridMedium, Heat, PlacedVoxels,
-    SparseGridMedium, affine,
+    AlbedoGrid, AlbedoGridError, AnyMedium, Coefficients, DensityGrid, DensityVoxel, GridError, GridMedium,
+    Heat, PlacedVoxels, SparseGridMedium, affine,
 };
 use crate::schema::{Block, Constant, FieldKind, Kind};
 
@@ -74,7 +74,10 @@ pub const MEMBER: MediumMember = Member {
                 compiler.accepted(stored, item.head_span())
             }
             GridSource::Voxels(voxels) => {
-                let medium = compiler.voxel_medium(item, *voxels, heat, coefficients)?;
+                let medium = match voxels.has_colors() {
+                    true => compiler.voxel_medium::<[f32; 3]>(item, *voxels, heat, coefficients)?,
+                    false => compiler.voxel_medium::<f32>(item, *voxels, heat, coefficients)?,
+                };
                 let stored = compiler.scene.medium(medium);
                 compiler.accepted(stored, item.head_span())
             }
@@ -112,13 +115,17 @@ impl Compiler<'_> {
         medium
     }
 
-    fn voxel_medium(
+    fn voxel_medium<T: DensityVoxel>(
         &mut self,
         item: Item<'_>,
-        voxels: FileVoxels<'_>,
+        voxels: FileGrid<'_>,
         heat: HeatKeys<'_>,
         coefficients: Coefficients,
-    ) -> Option<SparseGridMedium> {
+    ) -> Option<AnyMedium>
+    where
+        AnyMedium: From<SparseGridMedium<T>>,
+    {
+        let voxels: FileVoxels<'_, T> = self.file_voxels(voxels)?;
         let mut moved = DAffine3::IDENTITY;
         if voxels.corners != [None; 2] {
             let from = voxels.file_corners(0.0);
@@ -131,7 +138,7 @@ impl Compiler<'_> {
         }
         let coefficients = match &heat.temperature {
             Some(name) => {
-                let grid = self.voxels(&voxels.file, Some(name), "temperature")?;
+                let grid = self.voxels(&voxels.file, name)?;
                 let placed = self.placed(item, grid, &moved)?;
                 if let Some((voxel, value)) = placed.not_finite() {
                     self.no_medium(item, GridError::Temperature { voxel, value });
@@ -144,7 +151,7 @@ impl Compiler<'_> {
         };
         let coefficients = match &heat.albedo_grid {
             Some(name) => {
-                let grid = self.voxels(&voxels.file, Some(name), "Cd")?;
+                let grid = self.voxels(&voxels.file, name)?;
                 let placed = self.placed(item, grid, &moved)?;
                 let report = |error: AlbedoGridError| {
                     let error = Diagnostic::error(error.to_string());
@@ -156,7 +163,8 @@ impl Compiler<'_> {
             None => coefficients,
         };
         let placed = self.placed(item, voxels.grid, &moved)?;
-        SparseGridMedium::new(coefficients, placed).map_err(|error| self.no_medium(item, error)).ok()
+        let medium = SparseGridMedium::new(coefficients, placed).map_err(|error| self.no_medium(item, error));
+        medium.map(AnyMedium::from).ok()
     }
 
     /// The voxels of a file in the world; that they are flat there is reported.

@@ -7,6 +7,7 @@ use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_math::rng::Stream;
 use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
+use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
 use super::*;
 use crate::integrator::{Path, PathSettings};
@@ -21,7 +22,10 @@ fn scene(text: &str) -> Scene {
     let mut parsed = SceneDesc::parse_str(text);
     let scene = compile(
         &mut parsed.desc,
-        &MemoryAssets::new().with("gem.obj", GEM).with("dents.pfm", dents()),
+        &MemoryAssets::new()
+            .with("gem.obj", GEM)
+            .with("dents.pfm", dents())
+            .with("colors.vdb", colored_voxels()),
         &CompileOptions::default(),
         &mut parsed.diagnostics,
     );
@@ -41,6 +45,27 @@ fn dents() -> Vec<u8> {
         file.extend(texel.into_iter().flat_map(f32::to_le_bytes));
     }
     file
+}
+
+/// Eight voxels, each of a colour of its own.
+fn colored_voxels() -> Vec<u8> {
+    let mut grid = VdbGrid::new("Cd", VdbKind::Vec3, VdbMap::Uniform(1.0));
+    for (k, color) in [
+        [1.0, 0.3, 0.1],
+        [0.1, 0.2, 0.0],
+        [0.0, 0.6, 1.0],
+        [0.7, 0.7, 0.7],
+        [0.4, 0.0, 0.1],
+        [0.2, 1.0, 0.3],
+        [0.6, 0.1, 0.9],
+        [0.1, 0.1, 0.4],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        grid.set([0, 1, 2].map(|axis| (k >> axis & 1) as i32), color);
+    }
+    VdbFile { version: 224, compression: VdbCompression::None, masks: true, grids: vec![grid] }.to_bytes()
 }
 
 /// A camera in a black world.

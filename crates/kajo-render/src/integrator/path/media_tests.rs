@@ -551,6 +551,86 @@ fn media_that_emit_add_their_light() {
     }
 }
 
+/// A row of voxels along x.
+fn row_of_colors(name: &str, colors: &[[f32; 3]]) -> VdbGrid {
+    let mut grid = VdbGrid::new(name, VdbKind::Vec3, VdbMap::Uniform(1.0));
+    for (i, &color) in colors.iter().enumerate() {
+        grid.set([i as i32, 0, 0], color);
+    }
+    grid
+}
+
+fn vdb_of(grid: VdbGrid) -> MemoryAssets {
+    let file = VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids: vec![grid] };
+    MemoryAssets::new().with("smoke.vdb", file.to_bytes())
+}
+
+const COLORS: [[f32; 3]; 4] = [[0.9, 0.1, 0.4], [0.0, 0.8, 0.2], [0.3, 0.0, 2.0], [0.5, 0.5, 0.0]];
+
+/// Along a row of voxels the optical depth of each colour is the sum of theirs, with that of the air, if there is one: what is seen through
+/// it, and light that comes through it to a wall.
+#[test]
+fn absorption_by_voxels_has_the_colour_of_each() {
+    let assets = vdb_of(row_of_colors("Cd", &COLORS));
+    let sigma = [0.6, 1.0, 0.5];
+    let depth = [0, 1, 2].map(|i| sigma[i] * COLORS.iter().map(|c| f64::from(c[i])).sum::<f64>());
+    let slab = "GridMedium m { file smoke.vdb  grid Cd  sigma_a 0.6 1 0.5  min -2 -1 -1  max 2 1 1 }";
+    for (air, more) in [("", 0.0), ("Medium n { sigma_a 0.1 } exterior n", 0.1)] {
+        let seen = format!(
+            "{} Background {{ color 0 0 0 }} Media {{ {slab} {air} }}
+             Materials {{ Interface i {{ medium m }} Matte light {{ color 0 0 0  emission 1 }} }}
+             Group {{ MaterialIndex i Box {{ min -2 -1 -1 max 2 1 1 }} MaterialIndex light Box {{ min 3 -9 -9 max 4 9 9 }} }}",
+            camera([-3.0, 0.1, 0.2], [9.0, 0.1, 0.2])
+        );
+        let lit = format!(
+            "{} Background {{ color 0 0 0 }} Media {{ {slab} {air} }}
+             Materials {{ Interface i {{ medium m }} Matte wall {{ color 1 1 1 }} }}
+             Lights {{ PointLight {{ position -3 0 0  intensity 36 }} }}
+             Group {{ MaterialIndex i Box {{ min -2 -1 -1 max 2 1 1 }} MaterialIndex wall Box {{ min 3 -9 -9 max 4 9 9 }} }}",
+            camera([2.5, 0.1, 0.0], [3.0, 0.0, 0.0])
+        );
+        let back = 0.5f64.hypot(0.1);
+        for (text, scale, way) in [(seen, 1.0, 6.0), (lit, 1.0 / PI, 6.0 + back)] {
+            let scene = scene_with(&text, &assets);
+            for (lane, depth) in depth.into_iter().enumerate() {
+                let expected = scale * (-depth - more * way).exp();
+                mean(&scene, settings(4), 20_000, lane).check(expected, 0.02).unwrap();
+            }
+        }
+    }
+}
+
+/// Voxels of one colour are as the medium that has it everywhere, alone and with another one in the same place, and what is white and
+/// scatters is not seen under a white sky, whatever the colours of its densities.
+#[test]
+fn voxels_of_one_colour_are_a_medium_of_that_colour() {
+    let scene_of = |medium: &str, other: &str, color: [[f32; 3]; 4]| {
+        let text = format!(
+            "{} Media {{ {medium}  Medium n {{ {other} }} }}
+             Materials {{ Interface i {{ medium m }} Interface j {{ medium n }} }}
+             Group {{ MaterialIndex i Box {{ min -1 -1 -1 max 1 1 1 }} MaterialIndex j Box {{ min -3 -0.5 -0.5 max 0 0.5 0.5 }} }}",
+            under_a_white_sky([0.3, 0.2, 5.0], [-0.2, 0.2, 0.0])
+        );
+        scene_with(&text, &vdb_of(row_of_colors("Cd", &color)))
+    };
+    let grid = |more: &str| {
+        format!("GridMedium m {{ file smoke.vdb  grid Cd  min -1 -1 -1  max 1 1 1  density 3  {more} }}")
+    };
+    let other = "sigma_s 0.4  sigma_a 0.2 0.1 0.3";
+    let voxels = scene_of(&grid("albedo 0.7"), other, [[0.25, 0.5, 1.0]; 4]);
+    let everywhere = scene_of("Medium m { density 0.75 1.5 3  albedo 0.7 }", other, COLORS);
+    let white = scene_of(&grid("g 0.4"), "sigma_s 0.4 1 2", COLORS);
+    for lane in 0..3 {
+        let [found, expected] = [&voxels, &everywhere].map(|scene| mean(scene, settings(100), 3000, lane));
+        let spread = found.standard_error.hypot(expected.standard_error);
+        assert!((found.mean - expected.mean).abs() < 4.5 * spread, "{lane}: {found:?} {expected:?}");
+        assert!(spread < 0.03 * expected.mean, "{lane}: {found:?} {expected:?}");
+        mean(&white, PathSettings { roulette: false, ..settings(4000) }, 1000, lane)
+            .check(1.0, 0.02)
+            .unwrap();
+    }
+}
+
 /// A grid of colours is an albedo: as the medium that has it everywhere, alone and with another one in the same place.
 #[test]
 fn colours_of_voxels_are_albedos() {

@@ -38,7 +38,7 @@
 //!
 //! What a medium gives of its own is found by paths from the camera alone, on each stretch that they go without a collision.
 //!
-//! For overlapping media see `overlap.rs`.
+//! For overlapping media, and densities that have a colour, see `overlap.rs`.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
@@ -80,6 +80,7 @@ impl MediumStack {
         let of = |medium: MediumId| {
             let coefficients = scene.appearance.media.coefficients(medium);
             let sigma_s = coefficients.sigma_s(wavelengths) * scene.appearance.density(medium, p);
+            let sigma_s = sigma_s * scene.appearance.media.density_shares(medium, p, wavelengths);
             coefficients.colors().map_or(sigma_s, |colors| sigma_s * colors.at(p, wavelengths))
         };
         if !self.overlaps() {
@@ -251,6 +252,19 @@ impl<'a> MediumAlongRay<'a> {
 
     pub(super) fn density(&self, p: Vec3) -> f32 {
         self.scene.appearance.density(self.medium, p)
+    }
+
+    /// The density at a point by lanes.
+    ///
+    /// * `most`: what it is at most
+    #[inline]
+    pub(super) fn density_by_lanes(&self, p: Vec3, most: f32, wavelengths: &Wavelengths) -> Spectrum {
+        let density = Spectrum::grey(self.density(p).min(most));
+        let media = &self.scene.appearance.media;
+        match media.has_colored_density(self.medium) {
+            true => density * media.density_shares(self.medium, p, wavelengths),
+            false => density,
+        }
     }
 
     /// `T[i] sigma[i] / (T[h] sigma[h])` after a step that ended in a collision; black where rounding left nothing.

@@ -125,7 +125,7 @@ fn cross(
 /// Goes on through the medium around the start of a ray of unit direction, to its end.
 fn along(scene: &Scene, ray: &Ray, media: &MediumStack, with: &mut Joining<'_, '_>, passage: &mut Passage) {
     passage.t *= media.transmittance(ray.t_max);
-    if media.overlaps() {
+    if media.differs_by_lanes(scene) {
         passage.through_all(scene, media, ray, with.wavelengths, with.hero, with.draws);
     } else if let Some(medium) = media.medium() {
         passage.through(scene, medium, ray, with.wavelengths, with.hero, with.draws);

@@ -1,20 +1,22 @@
-//! Overlapping participating media: coefficients add, and collisions are sampled in their sum.
+//! Overlapping participating media: coefficients add, and collisions are sampled in their sum. And media whose density has a colour, one or
+//! several.
 //!
-//! Coefficients add, `sigma = sum over k of sigma_k d_k` with the densities `d_k`, and so do majorants. Null collisions are drawn as in one
-//! medium, but the share of real ones depends on the lane. With the majorant `m[i] = sum of sigma_t,k[i] m_k`, the extinction
-//! `r[i] = sum of sigma_t,k[i] d_k` and the rest `n[i] = m[i] - r[i]` [Miller, Georgiev and Jarosz 2019]
+//! Coefficients add, `sigma[i] = sum over k of sigma_k[i] d_k[i]` with the densities `d_k`, which are the same in all lanes `i` or not, and so
+//! do majorants. Null collisions are drawn as in one medium, but the share of real ones depends on the lane. With the majorant
+//! `m[i] = sum of sigma_t,k[i] m_k`, the extinction `r[i] = sum of sigma_t,k[i] d_k[i]` and the rest `n[i] = m[i] - r[i]`
+//! [Miller, Georgiev and Jarosz 2019]
 //!
 //! ```text
 //!                   beta *=                                             r_u *=                                    r_l *=
-//! scattered by k    T[i] sigma_s,k[i] d_k / (T[h] r[h] P[h](k))         T[i] r[i] P[i](k) / (T[h] r[h] P[h](k))   = r_u
+//! scattered by k    T[i] sigma_s,k[i] d_k[i] / (T[h] r[h] P[h](k))      T[i] r[i] P[i](k) / (T[h] r[h] P[h](k))   = r_u
 //! null collision    T[i] n[i] / (T[h] n[h])                             the same                                  T[i] m[i] / (T[h] n[h])
 //! arrives           T[i] / T[h]                                         the same                                  the same
 //! ```
 //!
 //! Media that absorb and do nothing else, everywhere the same, are a factor `exp(-sigma_a s)` and no part of this.
 //!
-//! Which medium scatters is chosen in proportion to its scattering there, `P[i](k) = sigma_s,k[i] d_k / sum over j of sigma_s,j[i] d_j` of the
-//! hero. Each lane would choose otherwise, so this counts among the densities of all lanes, or colours would be noisier with each
+//! Which medium scatters is chosen in proportion to its scattering there, of the hero,
+//! `P[i](k) = sigma_s,k[i] d_k[i] / sum over j of sigma_s,j[i] d_j[i]`. Each lane would choose otherwise, so this counts among the densities of all lanes, or colours would be noisier with each
 //! scattering. A vertex has the phase function of one medium. The probability is the same for paths from both ends, so it cancels in
 //! the MIS weights.
 
@@ -22,7 +24,7 @@ use std::array;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::bsdf::Transport;
-use kajo_core::medium::{Coefficients, Majorant, Majorants, MaybeMedium};
+use kajo_core::medium::{Coefficients, Majorant, Majorants, MaybeMedium, MediumId};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3};
@@ -39,6 +41,9 @@ use crate::trail::{About, PathObserver};
 /// A number for each of the media.
 type Densities = [f32; MOST_MEDIA];
 
+/// The densities of each of the media by lanes.
+type DensitiesByLanes = [Spectrum; MOST_MEDIA];
+
 /// Several media along a ray, at the wavelengths of a path.
 struct Overlap<'a> {
     /// Absorption per unit length of those that do nothing else, everywhere the same. It is a factor of all light, and no events are drawn of it.
@@ -49,6 +54,7 @@ struct Overlap<'a> {
     sigma_t: Spectrum,
     is_homogeneous: bool,
     emits: bool,
+    wavelengths: Wavelengths,
     hero: usize,
 }
 
@@ -68,7 +74,7 @@ struct Most {
 
 /// Coefficients of all media together at a point.
 struct SummedCoefficients {
-    densities: Densities,
+    densities: DensitiesByLanes,
     /// `r`.
     real: Spectrum,
     /// `n`.
@@ -97,6 +103,7 @@ impl<'a> Overlap<'a> {
             sigma_t: parts.iter().flatten().fold(Spectrum::BLACK, |sum, part| sum + part.stretch.sigma_t),
             is_homogeneous: parts.iter().flatten().all(|part| all.is_homogeneous(part.stretch.medium)),
             emits: parts.iter().flatten().any(|part| part.coefficients.emits()),
+            wavelengths: *wavelengths,
             hero: hero as usize,
             parts,
         }
@@ -107,7 +114,7 @@ impl<'a> Overlap<'a> {
     }
 
     /// `sum of sigma_t,k d_k`.
-    fn extinction(&self, densities: &Densities) -> Spectrum {
+    fn extinction(&self, densities: &DensitiesByLanes) -> Spectrum {
         self.parts.iter().zip(densities).fold(Spectrum::BLACK, |sum, (part, &density)| match part {
             Some(part) => sum + part.stretch.sigma_t * density,
             None => sum,
@@ -122,14 +129,21 @@ impl<'a> Overlap<'a> {
     }
 
     fn at(&self, p: Vec3, most: &Most) -> SummedCoefficients {
-        let found = self.densities(p);
-        let densities: Densities = array::from_fn(|k| found[k].min(most.densities[k]));
-        let rest = array::from_fn(|k| most.densities[k] - densities[k]);
+        let most = &most.densities;
+        let densities: DensitiesByLanes = match self.is_homogeneous {
+            true => [Spectrum::WHITE; MOST_MEDIA],
+            false => array::from_fn(|k| {
+                let of = |part: &Part<'_>| part.stretch.density_by_lanes(p, most[k], &self.wavelengths);
+                self.parts[k].as_ref().map_or(Spectrum::BLACK, of)
+            }),
+        };
+        let rest = array::from_fn(|k| Spectrum::grey(most[k]) - densities[k]);
         SummedCoefficients { densities, real: self.extinction(&densities), null: self.extinction(&rest) }
     }
 
     /// Radiance per unit length that all of them give at a point.
-    fn emission(&self, p: Vec3, densities: &Densities, wavelengths: &Wavelengths) -> Spectrum {
+    fn emission(&self, p: Vec3, densities: &Densities) -> Spectrum {
+        let wavelengths = &self.wavelengths;
         let each = self.parts.iter().zip(densities).filter(|&(_, &density)| density > 0.0);
         each.fold(Spectrum::BLACK, |sum, (part, &density)| {
             let Some(Part { coefficients, .. }) = part else { return sum };
@@ -144,7 +158,8 @@ impl<'a> Overlap<'a> {
     /// The medium that scatters; `None` where none does.
     ///
     /// * `u`: uniform in [0, 1)
-    fn choose(&self, densities: &Densities, wavelengths: &Wavelengths, u: f32) -> Option<Choice> {
+    fn choose(&self, densities: &DensitiesByLanes, u: f32) -> Option<Choice> {
+        let wavelengths = &self.wavelengths;
         let each: [Spectrum; MOST_MEDIA] = array::from_fn(|k| {
             self.parts[k].as_ref().map_or(Spectrum::BLACK, |part| part.stretch.sigma_s * densities[k])
         });
@@ -193,7 +208,7 @@ impl NullCollisionMedium for Overlap<'_> {
         let walks = self.parts.each_ref().map(|part| part.as_ref().map(|part| part.stretch.majorants(ray)));
         let merged = Merged { walks: walks.map(|walk| walk.map(Peeked::new)), at: 0.0 };
         merged.map(|Span { t_min, t_max, most }| {
-            let most = Most { densities: most, sigma: self.extinction(&most) };
+            let most = Most { densities: most, sigma: self.extinction(&most.map(Spectrum::grey)) };
             Span { t_min, t_max, most }
         })
     }
@@ -269,7 +284,6 @@ impl Iterator for Merged<'_> {
 struct OverlapDeltaTracking<'a> {
     all: &'a Overlap<'a>,
     ray: &'a Ray,
-    wavelengths: Wavelengths,
     beta: Spectrum,
     lanes: LaneMis,
     /// Where it is scattered, and by which medium.
@@ -288,8 +302,8 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
         let p = self.ray.at(at);
         let t = t * self.all.transmittance(most, at - from);
         let ratio = t * (1.0 / t[self.all.hero]);
-        let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
-        let radiance = self.all.emission(p, &self.all.densities(p), &self.wavelengths);
+        let mean = self.all.wavelengths.mean(self.lanes.r_u * ratio);
+        let radiance = self.all.emission(p, &self.all.densities(p));
         let added = self.beta * ratio * radiance * (self.sigma_a * -at).exp() * ((to - from) / mean);
         if added.is_finite() {
             *emitted += added;
@@ -313,12 +327,10 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
         // First row, of which the choice of the medium is multiplied below.
         let by = 1.0 / (t[hero] * real[hero]);
         let passed = if is_homogeneous { t } else { Spectrum::WHITE };
-        lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
-        lanes.sigma_t = all_lanes(real, &self.wavelengths);
+        lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.all.wavelengths);
+        lanes.sigma_t = all_lanes(real, &self.all.wavelengths);
         lanes.r_u *= t * real * by;
-        if let Some(Choice { k, sigma_s, ratio }) =
-            self.all.choose(&densities, &self.wavelengths, draws.next_1d())
-        {
+        if let Some(Choice { k, sigma_s, ratio }) = self.all.choose(&densities, draws.next_1d()) {
             self.beta *= t * sigma_s * by;
             lanes.r_u *= ratio;
             self.scattered = Some((at, k));
@@ -328,9 +340,18 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
     }
 }
 
+impl MediumStack {
+    /// Whether collisions are those of [`Overlap`]: several media are around, or one whose density has a colour.
+    #[inline]
+    pub(super) fn differs_by_lanes(&self, scene: &Scene) -> bool {
+        let has_color = |medium: MediumId| scene.appearance.media.has_colored_density(medium);
+        self.overlaps() || self.medium().is_some_and(has_color)
+    }
+}
+
 /// Samples a free path through the medium around a path, or all of them, at most `length`; returns the collision that scatters it, if there is one.
 ///
-/// Takes numbers as in one medium, and one more where several are: it chooses which of them scatters.
+/// Takes numbers as in one medium, and one more where several are or its density has a colour: it chooses which of them scatters.
 #[cold]
 #[inline(never)]
 pub fn sample_collision<'a>(
@@ -339,7 +360,7 @@ pub fn sample_collision<'a>(
     length: f32,
     observer: &mut impl PathObserver,
 ) -> Option<MediumInteraction<'a>> {
-    let at = if path.media.overlaps() {
+    let at = if path.media.differs_by_lanes(scene) {
         path.extent = length;
         sample_collision_in_all(scene, path, length)?
     } else {
@@ -371,7 +392,7 @@ fn sample_collision_in_all<'a>(
     let ray = Ray { t_min: 0.0, t_max: length, ..path.ray };
     if all.is_homogeneous && !all.scatters() {
         if gives_light {
-            let radiance = all.emission(ray.o, &[1.0; MOST_MEDIA], &path.wavelengths);
+            let radiance = all.emission(ray.o, &[1.0; MOST_MEDIA]);
             path.emitted += path.beta * radiance * emission_integral(all.sigma_t + sigma_a, length);
         }
         path.beta *= transmittance(all.sigma_t + all.absorption, length);
@@ -380,7 +401,6 @@ fn sample_collision_in_all<'a>(
     let mut tracking = OverlapDeltaTracking {
         all: &all,
         ray: &ray,
-        wavelengths: path.wavelengths,
         beta: path.beta,
         lanes: path.lanes,
         scattered: None,

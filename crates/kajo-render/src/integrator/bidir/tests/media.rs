@@ -17,6 +17,7 @@ fn room(media: &str, materials: &str, emitter: &str, things: &str) -> String {
 const CEILING: &str = "MaterialIndex emitter Quad { corner -0.6 0.95 -0.6  edge1 1.2 0 0  edge2 0 0 1.2 }";
 const GRID: &str =
     "GridMedium m { size 2 2 2 values 1 0.2 0 0.7 0.4 1 0.6 0.1 min -0.7 -0.7 -0.7 max 0.6 0.6 0.6";
+const COLORED_GRID: &str = "GridMedium m { file colors.vdb  grid Cd  min -0.7 -0.7 -0.7  max 0.6 0.6 0.6  sigma_s 1.5 1 1.2  sigma_a 0.4 0.2 0.6  g 0.3";
 const BODY: &str = "MaterialIndex body Box { min -0.7 -0.7 -0.7  max 0.6 0.6 0.6 }";
 
 const LOW: &str = "MaterialIndex body Box { min -0.6 -0.9 -0.6  max 0.6 -0.3 0.3 }";
@@ -47,6 +48,11 @@ fn all_ways_through_media_are_one() {
     let columns = "phaseColors on  phaseTable 0 5 3 0  40 2 2 1  90 0.3 0.5 1  180 0.5 0.9 2";
     let colored = format!("{GRID} sigma_s 1 1.5 2 sigma_a 0.3 {columns} }}");
     check_ways_within(&room(&colored, body, CEILING, BODY), 1, 6000, 0.2);
+    // A density for each colour, alone and in air.
+    for air in ["", "Medium air { sigma_s 0.3 0.1 0.2 } exterior air"] {
+        let colored = format!("{COLORED_GRID} }} {air}");
+        check_ways_within(&room(&colored, body, CEILING, BODY), 1, 6000, 0.2);
+    }
 }
 
 /// Vertices on surfaces are merged, those in media connected, since nothing is behind glass.
@@ -66,8 +72,11 @@ fn merging_in_media_takes_nothing_and_adds_nothing() {
 fn merging_in_glass_takes_nothing_and_adds_nothing() {
     let even = "Medium m { sigma_s 2.5 1.5 1  sigma_a 0.2  g 0.3 }";
     let grid = "GridMedium m { size 2 2 2 values 1 0.2 0 0.7 0.4 1 0.6 0.1 min -1 0.3 -1 max 1 0.7 1  sigma_s 4 1 2  sigma_a 0.3 }";
+    let colors =
+        "GridMedium m { file colors.vdb  grid Cd  min -1 0.3 -1 max 1 0.7 1  sigma_s 4 2 3  sigma_a 0.3 }";
     let hidden = "MaterialIndex hidden Box { min -3 0.4 -3  max 3 0.6 3 }";
-    for (medium, more, samples) in [(even, "", 8000), (grid, "", 8000), (even, hidden, 24_000)] {
+    let cases = [(even, "", 8000), (grid, "", 8000), (colors, "", 8000), (even, hidden, 24_000)];
+    for (medium, more, samples) in cases {
         let text = format!(
             "PerspectiveCamera {{ center 0 0 0.95  direction 0 -0.6 -1  up 0 1 0  angle 70 }} Background {{ color 0 0 0 }} Media {{ {medium} }}
              Materials {{ Matte white {{ color 0.7 0.7 0.7 }} Matte emitter {{ color 0 0 0  emission 2 2 2 }} Glass body {{ indexOfRefraction 1.3  medium m }}
