@@ -62,7 +62,7 @@ pub const VCM: Method = method("vcm", "integrator vcm  photons 5000");
 pub const VCM_SPECTRAL: Method = method("vcm, spectral", "integrator vcm  photons 5000  spectral on");
 
 /// Irradiance of few points, interpolated.
-pub const IRRADIANCE: Method = method("irradiance", "integrator irradiance  rays 256");
+pub const IRRADIANCE: Method = method("irradiance", "integrator irradiance  rays 1024");
 
 /// What interpolates, with errors that more samples do not take away.
 pub const CACHES: &[Method] = &[IRRADIANCE];

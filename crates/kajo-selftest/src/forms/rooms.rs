@@ -59,7 +59,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let cached = |form: Form| Form {
         name: format!("{}, by a cache", form.name),
         methods: CACHES,
-        ..form.rounding(RECORDS).size([16, 16])
+        ..form.rounding(RECORDS).least_noise(OF_RECORDS).size([16, 16])
     };
     let room = emissive(draw, &ROOMS[0], None);
     forms.push(cached(Form { scene: room.scene.replace("angle 0.001", "angle 70"), ..room }));
@@ -82,8 +82,12 @@ const CHAINS: &[Method] = &[MLT];
 /// Chains for each length, which are to be few.
 const CHAINS_OF_LENGTHS: &[Method] = &[MMLT];
 
-/// What the noise of a few records of 256 rays may change, as a share of the light.
+/// What interpolation between a few records may change, as a share of the light.
 const RECORDS: f64 = 5e-3;
+
+/// The least standard error of a mean of pictures by records of 1024 rays, as a share of it: each picture has few of them, and more samples
+/// add none.
+const OF_RECORDS: f64 = 1.5e-3;
 
 /// What the roundness of a wall within the disks of photons may change, as a share of its light.
 const BLUR: f64 = 2e-3;
