@@ -25,7 +25,10 @@ const FREE_PATHS: f32 = 3.0;
 /// The least length of a ray, over its distance from a light, along which it makes a difference where the light is.
 const NEAR: f32 = 0.5;
 
-/// A piece of a ray through a homogeneous medium, along which a light is to be drawn.
+/// The same where the density varies, and what a point costs is more: there it is to make a large one.
+const NEAR_WHERE_VARYING: f32 = 2.0;
+
+/// A piece of a ray through a medium, along which a light is to be drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct RaySegment {
     /// Where it begins.
@@ -38,6 +41,8 @@ pub struct RaySegment {
     pub time: f32,
     /// Extinction of the medium, per unit of length.
     pub extinction: f32,
+    /// Whether that is the same everywhere.
+    pub is_even: bool,
 }
 
 /// The part of a ray that a light can reach.
@@ -72,9 +77,9 @@ pub(super) struct LightCone {
 
 impl RaySegment {
     /// * `length`: perhaps infinite
-    /// * `extinction`: of the medium, per unit of length
+    /// * `extinction`: of the medium, per unit of length, the same everywhere
     pub fn new(ray: &Ray, length: f32, extinction: f32) -> RaySegment {
-        RaySegment { o: ray.o, d: ray.d, length, time: ray.time, extinction }
+        RaySegment { o: ray.o, d: ray.d, length, time: ray.time, extinction, is_even: true }
     }
 
     /// A point for which what is known of a region is asked: a free path from the start, or half of the way.
@@ -123,7 +128,8 @@ impl RaySegment {
         let is_cut = part.ends[0] > 0.0 || part.ends[1] < self.length;
         let reached = self.length.min(FREE_PATHS / self.extinction);
         let off = part.nearest() - part.closest;
-        is_cut || reached * reached > NEAR * NEAR * (part.distance * part.distance + off * off)
+        let near = if self.is_even { NEAR } else { NEAR_WHERE_VARYING };
+        is_cut || reached * reached > near * near * (part.distance * part.distance + off * off)
     }
 }
 
@@ -224,7 +230,14 @@ mod tests {
 
     fn segment(s: &Stream, at: u32) -> RaySegment {
         let length = if s.uniform(at) < 0.2 { f32::INFINITY } else { 6.0 * s.uniform(at) };
-        RaySegment { o: position(s, at + 1), d: direction(s, at + 4), length, time: 0.0, extinction: 0.3 }
+        RaySegment {
+            o: position(s, at + 1),
+            d: direction(s, at + 4),
+            length,
+            time: 0.0,
+            extinction: 0.3,
+            is_even: true,
+        }
     }
 
     /// Of points along rays those in the interval are those that are in the cone.
@@ -255,7 +268,14 @@ mod tests {
     /// Rays along the axis, through the apex, along a side, and in the plane of what shines on one side of it.
     #[test]
     fn rays_that_touch_a_cone() {
-        let along = |o: Vec3, d: Vec3| RaySegment { o, d, length: f32::INFINITY, time: 0.0, extinction: 1.0 };
+        let along = |o: Vec3, d: Vec3| RaySegment {
+            o,
+            d,
+            length: f32::INFINITY,
+            time: 0.0,
+            extinction: 1.0,
+            is_even: true,
+        };
         let cone = |cos| LightCone { center: Vec3::ZERO, radius: 0.0, axis: Vec3::NEG_Y, cos };
         let within = |o, d, cos| along(o, d).within(&cone(cos));
         let narrow = 0.6;

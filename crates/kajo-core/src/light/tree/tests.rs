@@ -138,7 +138,8 @@ fn probabilities_along_rays_agree_with_the_walk() {
         let s = Stream::new(7, [k, 0], 0);
         let o = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
         let d = warp::uniform_sphere(Vec2::new(s.uniform(3), s.uniform(4)));
-        let along = RaySegment { o, d, length: 20.0 * s.uniform(5), time: 0.0, extinction: 0.2 };
+        let along =
+            RaySegment { o, d, length: 20.0 * s.uniform(5), time: 0.0, extinction: 0.2, is_even: true };
         let sum: f32 = all().map(|light| tree.pmf(light, &along, &tree.first_step(&along))).sum();
         assert!(sum < 1.0 + 1e-4, "{sum}");
         for j in 0..50 {
@@ -159,8 +160,14 @@ fn probabilities_along_rays_agree_with_the_walk() {
 #[test]
 fn a_light_that_a_ray_passes_closely_is_chosen() {
     let tree = LightTree::build(&[0.0, 1.0, -1.0, 2.0].map(|x| point(x, 1.0)));
-    let along =
-        RaySegment { o: Vec3::new(1e-3, 0.0, -3.0), d: Vec3::Z, length: 6.0, time: 0.0, extinction: 0.1 };
+    let along = RaySegment {
+        o: Vec3::new(1e-3, 0.0, -3.0),
+        d: Vec3::Z,
+        length: 6.0,
+        time: 0.0,
+        extinction: 0.1,
+        is_even: true,
+    };
     let first = LightIndex::new(0).expect("an index");
     assert!(tree.pmf(first, &along, &tree.first_step(&along)) > 0.99);
 }

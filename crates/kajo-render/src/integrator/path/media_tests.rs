@@ -92,7 +92,10 @@ fn single_scattering_of_a_point_light_in_endless_fog() {
 fn single_scattering_in_the_beam_of_a_spot_light() {
     let sigma = 0.1f64;
     let half_angle = 3.0f64.to_radians();
-    let fog = format!("Media {{ Medium fog {{ sigma_s {sigma} }} exterior fog }}");
+    let even = format!("Medium fog {{ sigma_s {sigma} }}");
+    let varying = format!(
+        "FunctionMedium fog {{ function = 1 + 0 * x  min -30 -30 -30 max 30 30 30  sigma_s {sigma} }}"
+    );
     let spot = |at: [f64; 3], d: [f64; 3]| {
         let [[x, y, z], [u, v, w]] = [at, d];
         format!(
@@ -112,10 +115,11 @@ fn single_scattering_in_the_beam_of_a_spot_light() {
             h * sigma * (-sigma * (from + off + r2.sqrt())).exp() / (4.0 * PI * r2)
         })
         .sum();
-    for rest in [String::new(), others] {
+    for (fog, rest, samples) in [(&even, "", 400), (&even, &*others, 400), (&varying, &*others, 2000)] {
         let view = camera([0.0, 0.0, 8.0], [0.0, 0.0, 0.0]);
         let lights = format!("Lights {{ {} {rest} }}", spot([0.0, height, 0.0], [0.0, -1.0, 0.0]));
-        let found = mean(&scene(&format!("{view} {fog} {lights}")), settings(0), 400, 0);
+        let text = format!("{view} Media {{ {fog} exterior fog }} {lights}");
+        let found = mean(&scene(&text), settings(0), samples, 0);
         found.check(expected, 0.01).unwrap();
     }
 }
@@ -358,11 +362,10 @@ fn constant_grids_are_homogeneous() {
 /// and take the fireflies away.
 #[test]
 fn points_along_a_ray_find_what_collisions_find() {
-    let text = |rest: &str, from: [f32; 3], to: [f32; 3]| {
-        format!(
-            "{} Media {{ Medium fog {{ sigma_s 0.1 0.3 0.2  sigma_a 0.05 0 0.1  g 0.4 }} exterior fog }} {rest}",
-            camera(from, to)
-        )
+    const COEFFICIENTS: &str = "sigma_s 0.1 0.3 0.2  sigma_a 0.05 0 0.1  g 0.4";
+    const BOX: &str = "min -5 -3 -5 max 5 4 5";
+    let text = |fog: &str, rest: &str| {
+        format!("{} Media {{ {fog} exterior fog }} {rest}", camera([0.0, 0.0, 4.0], [0.0, 0.0, 0.0]))
     };
     let emitter = |radius: f32| {
         format!(
@@ -372,16 +375,24 @@ fn points_along_a_ray_find_what_collisions_find() {
             1.0 / (radius * radius)
         )
     };
-    let near = ([0.0, 0.0, 4.0], [0.0, 0.0, 0.0]);
-    for rest in [emitter(0.05), emitter(0.25)] {
-        let scene = scene(&text(&rest, near.0, near.1));
+    let colors = vdb_of(row_of_colors("Cd", &COLORS));
+    for (fog, rest) in [
+        (format!("Medium fog {{ {COEFFICIENTS} }}"), emitter(0.05)),
+        (format!("Medium fog {{ {COEFFICIENTS} }}"), emitter(0.25)),
+        (
+            format!("FunctionMedium fog {{ function = 1 + sin(2 * z) * cos(x)  {BOX}  {COEFFICIENTS} }}"),
+            emitter(0.05),
+        ),
+        (format!("GridMedium fog {{ file smoke.vdb  grid Cd  {BOX}  {COEFFICIENTS} }}"), emitter(0.05)),
+    ] {
+        let scene = scene_with(&text(&fog, &rest), &colors);
         for lane in 0..3 {
             // Met by chance alone, no points are drawn.
             let met = PathSettings { technique: Technique::Scattering, ..settings(1) };
             let [met, both] = [(met, 60_000), (settings(1), 4000)].map(|(s, n)| mean(&scene, s, n, lane));
             let spread = both.standard_error.hypot(met.standard_error);
-            assert!((both.mean - met.mean).abs() < 4.5 * spread, "{lane} {rest}: {both:?} {met:?}");
-            assert!(spread < 0.05 * met.mean, "{lane} {rest}: {both:?} {met:?}");
+            assert!((both.mean - met.mean).abs() < 4.5 * spread, "{lane} {fog} {rest}: {both:?} {met:?}");
+            assert!(spread < 0.05 * met.mean, "{lane} {fog} {rest}: {both:?} {met:?}");
         }
     }
     // Passing at the distance 0.01: by quadrature. Collisions alone hardly ever come so near.
@@ -401,6 +412,30 @@ fn points_along_a_ray_find_what_collisions_find() {
         })
         .sum();
     mean(&close, settings(0), 2000, 0).check(expected, 0.02).unwrap();
+}
+
+/// The same where the density is `a + c z`, so that free paths have null collisions.
+#[test]
+fn points_along_a_ray_through_a_varying_medium_find_what_they_should() {
+    let (a, c, b, back) = (0.3f64, 0.05, 0.01, 4.0);
+    let text = format!(
+        "{} Media {{ FunctionMedium fog {{ function = {a} + {c} * z  min -9 -9 -{back} max 9 9 9  sigma_s 1 }} exterior fog }}
+         Lights {{ PointLight {{ position {b} 0 0  intensity 1 }} }}",
+        camera([0.0, 0.0, 5.0], [0.0, 0.0, 0.0])
+    );
+    let n = 400_000;
+    let (low, high) = ((-5.0f64 / b).atan(), (back / b).atan());
+    let h = (high - low) / f64::from(n);
+    let expected: f64 = (0..n)
+        .map(|k| {
+            let angle = low + h * (f64::from(k) + 0.5);
+            let (z, r) = (-b * angle.tan(), b / angle.cos());
+            let mean_density = |z: [f64; 2]| a + c * 0.5 * (z[0] + z[1]);
+            let depth = mean_density([5.0, z]) * (5.0 - z) + mean_density([z, 0.0]) * r;
+            h * (a + c * z) / (4.0 * PI * b) * (-depth).exp()
+        })
+        .sum();
+    mean(&scene(&text), settings(0), 8000, 0).check(expected, 0.02).unwrap();
 }
 
 /// Media `a`, `b` and `air`, boundaries of the first two, and the objects that these fill.

@@ -21,10 +21,10 @@ use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    DrawnLight, EquiangularRay, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState,
-    SurfaceInteraction, advance, choose_light, connect, connect_through_media, follow, follow_phase,
-    lane_densities, leave, light_of_choice, pass_straight, power_heuristic, sample_light, shade,
-    sky_footprint, survives, survives_guided, survives_in_medium,
+    CollisionOnRay, DrawnLight, EquiangularRay, Event, Joining, LocalFrame, MediumInteraction, MediumStack,
+    PathState, SurfaceInteraction, advance, choose_light, connect, connect_through_media, follow,
+    follow_phase, lane_densities, leave, light_of_choice, pass_straight, power_heuristic, sample_light,
+    shade, sky_footprint, survives, survives_guided, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
@@ -49,8 +49,8 @@ pub(in crate::integrator) struct CameraPath<'s> {
     is_branch: bool,
     /// The ray at hand, where light was drawn for a point along it.
     along: Option<EquiangularRay>,
-    /// The same of the ray to the last collision, whose distance this is.
-    collided: Option<(EquiangularRay, f32)>,
+    /// The last collision, where light was drawn for a point along the ray to it.
+    collided: Option<CollisionOnRay>,
 }
 
 impl<'s> CameraPath<'s> {
@@ -440,8 +440,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         // The mean of `r_u` is 1.
         let weight = power_heuristic(path.pdf, pdf_li * path.state.mean(path.state.lanes.r_l));
         match &path.collided {
-            Some((along, t)) if path.receiver.n == Vec3::ZERO => {
-                weight * along.weight_of_collision(self.scene(), hit.light, *t, self.lights)
+            Some(collided) if path.receiver.n == Vec3::ZERO => {
+                weight * collided.weight(self.scene(), hit.light, self.lights)
             }
             _ => weight,
         }
@@ -638,7 +638,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let sample = at.phase.sample(at.wo, path.state.draws.next_2d(), path.state.lanes.hero);
         follow_phase(&mut path.state, at, sample, self.observer);
         path.receiver = receiver;
-        path.collided = path.along.map(|along| (along, at.length));
+        path.collided = path.along.map(|along| along.collision(at.length, &path.state));
         path.pdf = sample.value.pdf;
         path.bounces += 1;
         survives_in_medium(&mut path.state, at, path.bounces, settings.roulette, self.gain())
@@ -656,7 +656,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Li(wi)`, with the phase function `p`, is estimated by one light, drawn with the density `q` per solid angle: `p
     /// T Le / q`, with the estimate `T` of the transmittance in [`PathTracer::add_light_through_media`]. Scattering has
     /// the density `p` itself, against which that is weighed. Where light was drawn for the ray that `x` lies on too,
-    /// the share of this estimate is that of [`EquiangularRay::weight_of_collision`].
+    /// the share of this estimate is [`CollisionOnRay::weight`].
     fn add_direct_light_in_medium(
         &mut self,
         path: &mut CameraPath<'s>,
@@ -678,8 +678,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             densities: scattered.colors.map(lane_densities),
         };
         let lights = self.lights;
-        let share =
-            path.along.map_or(1.0, |along| along.weight_of_collision(scene, drawn.light, at.length, lights));
+        let collision = path.along.map(|along| along.collision(at.length, &path.state));
+        let share = collision.map_or(1.0, |collision| collision.weight(scene, drawn.light, lights));
         let joined = Joined { carried: joined.carried * share, ..joined };
         self.add_light_through_media(path, &drawn, joined);
     }

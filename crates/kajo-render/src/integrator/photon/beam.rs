@@ -24,7 +24,7 @@ use kajo_core::scene::Scene;
 use kajo_core::space::Space;
 
 use crate::integrator::photon_map::Photon;
-use crate::integrator::transport::{PathState, scattering_medium};
+use crate::integrator::transport::{PathState, homogeneous_medium};
 
 /// A ray through a homogeneous medium.
 pub struct QueryBeam<'a, 's> {
@@ -40,7 +40,7 @@ impl<'a, 's> QueryBeam<'a, 's> {
     /// The ray that a path is about to follow; `None` where no homogeneous medium that scatters is alone around it, and in bodies that light
     /// is scattered in many times, where no photons are kept.
     pub fn of(scene: &'a Scene, path: &PathState<'s>) -> Option<QueryBeam<'a, 's>> {
-        let coefficients = scattering_medium(scene, path).filter(|medium| !medium.is_subsurface())?;
+        let coefficients = homogeneous_medium(scene, path).filter(|medium| !medium.is_subsurface())?;
         if scene.space() == Space::Curved && path.media.curved(scene).is_some() {
             return None;
         }

@@ -47,8 +47,8 @@ use crate::integrator::bidir::{SegmentShare, Subpath, Vertex, Volume, shade_one_
 use crate::integrator::camera_view::RayFootprint;
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
-    DrawnLight, EquiangularRay, Event, Joining, MediumInteraction, PathState, SurfaceInteraction, advance,
-    cross_hidden, pass_straight, power_heuristic, sample_light, steps::extend,
+    CollisionOnRay, DrawnLight, EquiangularRay, Event, Joining, MediumInteraction, PathState,
+    SurfaceInteraction, advance, cross_hidden, pass_straight, power_heuristic, sample_light, steps::extend,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -334,8 +334,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             Maps::Fixed { usage: PhotonMapUse::Gather, .. } | Maps::Progressive { .. } => Role::DirectAndMap,
         };
         if role != Role::FromMap {
-            let along = self.along.map(|along| (along, at.length));
-            self.add_direct_light(&mut path.state, &z, role.goes_on(), along);
+            let collision = self.along.map(|along| along.collision(at.length, &path.state));
+            self.add_direct_light(&mut path.state, &z, role.goes_on(), collision);
         }
         match &photons.maps {
             _ if role == Role::Direct => {}
@@ -502,13 +502,13 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// angle, is `f |cos| T V Le w / q` with the weight `w = q^2 / (p^2 + q^2)` [Veach 1997, eq. 9.15].
     ///
     /// * `may_meet`: whether the path goes on and may meet the light, so that both count by the power heuristic
-    /// * `along`: at a collision the ray to it, where light was drawn for a point along it, and its distance
+    /// * `collision`: where the vertex is one on a ray for a point of which light was drawn too
     fn add_direct_light<V: Volume<'a>>(
         &mut self,
         state: &mut PathState<'_>,
         z: &Vertex<'a, V>,
         may_meet: bool,
-        along: Option<(EquiangularRay, f32)>,
+        collision: Option<CollisionOnRay>,
     ) {
         let scene = self.scene();
         let time = state.ray.time;
@@ -520,7 +520,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             return;
         }
         let segment = z.at.ray_to(&at, wi, time);
-        let collided = along.map(|(along, t)| along.weight_of_collision(scene, light, t, choice.into()));
+        let collided = collision.map(|collision| collision.weight(scene, light, choice.into()));
         let carried = state.beta * scattered * collided.unwrap_or(1.0);
         let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
         let share =

@@ -20,74 +20,144 @@
 //! both of which are functions of the ray, the distance and the light alone, so that the two weights sum to one. Light
 //! that a collision's own direction meets has the weight of the collision.
 //!
-//! It is done in homogeneous media, for lights so near to a ray that its points do not see them alike, or that reach a part of it alone.
+//! Where the density varies, `T` is not known. Ratio tracking to the point draws null collisions as free paths do, so that these are
+//! a part of what both draw [Miller, Georgiev and Jarosz 2019], and in the place of `sigma_t T` is
+//!
+//! ```text
+//! q sigma_t(t),    q = product over null collisions of 1 - d/m
+//! ```
+//!
+//! with the density `d` and the majorant `m` at each of them.
+//!
+//! It is done where one medium is around, for lights so near to a ray that its points do not see them alike, or that reach a part of it alone.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{LightSelection, RaySegment, Receiver, SampledLight};
-use kajo_core::medium::Coefficients;
+use kajo_core::medium::{Coefficients, MediumId};
 use kajo_core::scene::Scene;
 use kajo_core::space::Space;
-use kajo_math::Vec3;
+use kajo_math::{Ray, Vec3};
 
-use super::{Joining, PathState, all_lanes, connect_through_media, power_heuristic};
+use super::collisions::MediumAlongRay;
+use super::media::through_media;
+use super::{Joining, Passage, PathState, all_lanes, connect_through_media, power_heuristic};
 use crate::trail::{About, PathObserver, RayKind};
 
-/// A ray in a homogeneous medium along which a point has been drawn for a light.
+/// A ray in a medium along which a point has been drawn for a light.
 #[derive(Clone, Copy, Debug)]
 pub struct EquiangularRay {
+    /// The part of the ray within the medium.
     segment: RaySegment,
-    /// Extinction by lanes.
-    sigma_t: Spectrum,
+    /// Distance at which that begins.
+    start: f32,
+    extinction: Extinction,
     wavelengths: Wavelengths,
 }
 
+/// What a medium takes away along a ray.
+#[derive(Clone, Copy, Debug)]
+enum Extinction {
+    /// The same everywhere, by lanes.
+    Even(Spectrum),
+    /// More or less.
+    Varying {
+        /// The probability of having come to the start of the ray from the last vertex without a collision.
+        before: f32,
+    },
+}
+
+/// The collision of a path on a ray along which a point has been drawn for a light too.
+#[derive(Clone, Copy, Debug)]
+pub struct CollisionOnRay {
+    ray: EquiangularRay,
+    /// Its distance.
+    t: f32,
+    /// Density per unit length of a collision there where the density varies, the mean over the lanes.
+    varying_pdf: f32,
+}
+
 impl EquiangularRay {
-    /// The ray that a path is about to follow; `None` where no points are drawn: but in one homogeneous medium that
-    /// scatters, and for lights that have a position.
+    /// The ray that a path is about to follow; `None` where no points are drawn: but in one medium that scatters, and for
+    /// lights that have a position.
     ///
     /// * `length`: of the ray to the next surface, perhaps infinite
     pub fn of(scene: &Scene, path: &PathState<'_>, length: f32) -> Option<EquiangularRay> {
         if scene.space() == Space::Curved || !scene.lighting.sampler.has_finite() {
             return None;
         }
-        let coefficients = scattering_medium(scene, path)?;
-        let sigma_t = coefficients.sigma_s(&path.wavelengths) + coefficients.sigma_a(&path.wavelengths);
-        let segment = RaySegment::new(&path.ray, length, all_lanes(sigma_t, &path.wavelengths));
-        let ray = EquiangularRay { segment, sigma_t, wavelengths: path.wavelengths };
+        let wavelengths = path.wavelengths;
+        let (medium, coefficients) = scattering_medium(scene, path)?;
+        let (start, segment, extinction) = if scene.appearance.media.is_homogeneous(medium) {
+            let sigma_t = coefficients.sigma_s(&wavelengths) + coefficients.sigma_a(&wavelengths);
+            let segment = RaySegment::new(&path.ray, length, all_lanes(sigma_t, &wavelengths));
+            (0.0, segment, Extinction::Even(sigma_t))
+        } else {
+            let matter = MediumAlongRay::new(scene, medium, &wavelengths, path.lanes.hero);
+            let part = within(&matter, &Ray { t_min: 0.0, t_max: length, ..path.ray }, &wavelengths)?;
+            let ray = Ray { o: path.ray.at(part.start), ..path.ray };
+            let segment =
+                RaySegment { is_even: false, ..RaySegment::new(&ray, part.length, part.extinction) };
+            (part.start, segment, Extinction::Varying { before: path.lanes.arrival(&wavelengths) })
+        };
+        let ray = EquiangularRay { segment, start, extinction, wavelengths };
         segment.middle().is_finite().then_some(ray)
     }
 
-    /// The point of the ray at a distance.
+    /// The point of the segment at a distance from its start.
     fn receiver(&self, t: f32) -> Receiver {
         let RaySegment { o, d, time, .. } = self.segment;
         Receiver { p: o + t * d, n: Vec3::ZERO, time }
     }
 
-    /// Density of a collision at a distance and of drawing a light there.
-    fn pdf_of_collision(&self, scene: &Scene, light: LightIndex, t: f32, by: LightSelection<'_>) -> f32 {
-        let collision = all_lanes(self.sigma_t * (self.sigma_t * -t).exp(), &self.wavelengths);
-        collision * scene.lighting.sampler.pmf(light, &self.receiver(t), by)
+    /// Density of a collision per unit length in a medium that is the same everywhere.
+    fn pdf_of_even_collision(&self, sigma_t: Spectrum, t: f32) -> f32 {
+        all_lanes(sigma_t * (sigma_t * -t).exp(), &self.wavelengths)
     }
 
-    /// The weight of light found at a collision.
+    /// The collision of a path that has followed the ray.
     ///
-    /// * `t`: distance of the collision
-    pub fn weight_of_collision(
+    /// * `length`: distance from the start of the ray
+    /// * `path`: behind the collision, before it goes on
+    pub fn collision(&self, length: f32, path: &PathState<'_>) -> CollisionOnRay {
+        let varying_pdf = match self.extinction {
+            Extinction::Even(_) => 0.0,
+            Extinction::Varying { before } => path.lanes.reach * path.lanes.sigma_t / before,
+        };
+        CollisionOnRay { ray: *self, t: length - self.start, varying_pdf }
+    }
+
+    /// Goes to a point of the segment without a collision.
+    ///
+    /// * `start`: the path at the start of the ray
+    /// * `path`: the same path now, whose random numbers are taken where the density varies
+    /// * `t`: distance from the start of the segment
+    fn reach<'s>(
         &self,
         scene: &Scene,
-        light: LightIndex,
+        start: &PathState<'s>,
+        path: &mut PathState<'s>,
         t: f32,
-        by: LightSelection<'_>,
-    ) -> f32 {
-        let sampler = &scene.lighting.sampler;
-        let of_distance = sampler.seen_from(light, &self.segment).map_or(0.0, |span| span.pdf(t));
-        if of_distance == 0.0 {
-            return 1.0;
-        }
-        let drawn = of_distance * sampler.pmf_along(light, &self.segment, by);
-        if drawn > 0.0 { power_heuristic(self.pdf_of_collision(scene, light, t, by), drawn) } else { 1.0 }
+    ) -> Option<Reached> {
+        let (wavelengths, lanes) = (&start.wavelengths, &start.lanes);
+        let before = match self.extinction {
+            Extinction::Even(sigma_t) => {
+                let left = start.media.transmittance(t) * (sigma_t * -t).exp();
+                let pdf = self.pdf_of_even_collision(sigma_t, t);
+                return Some(Reached { left, r_l: lanes.r_u, pdf });
+            }
+            Extinction::Varying { before } => before,
+        };
+        let matter = MediumAlongRay::new(scene, start.media.medium()?, wavelengths, lanes.hero);
+        let ray = Ray { t_min: 0.0, t_max: self.start + t, ..start.ray };
+        let mut with = Joining { wavelengths, hero: lanes.hero, r_u: lanes.r_u, draws: &mut path.draws };
+        let mut passage = Passage::open(lanes.r_u);
+        through_media(scene, &ray, &start.media, &mut with, &mut passage);
+        let passed = lanes.r_u.safe_div(lanes.r_l) * passage.r_u.safe_div(passage.r_l);
+        let density = matter.density_by_lanes(ray.at(ray.t_max), f32::INFINITY, wavelengths);
+        let pdf = all_lanes(passed, wavelengths) / before * all_lanes(matter.sigma_t * density, wavelengths);
+        (!passage.t.is_black()).then_some(Reached { left: passage.t, r_l: passage.r_l, pdf })
     }
 
     /// A light, and what it adds to the path at a point drawn along the ray: `w beta T sigma_s p Li / (P_r e q)`.
@@ -113,11 +183,15 @@ impl EquiangularRay {
         let receiver = self.receiver(t);
         let li = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths)?;
         let drawn = chosen.probability * span.pdf(t);
-        let collided = self.pdf_of_collision(scene, light, t, by);
-        let coefficients = scattering_medium(scene, start)?;
+        let Reached { left, r_l, pdf } = self.reach(scene, start, path, t)?;
+        let collided = pdf * scene.lighting.sampler.pmf(light, &receiver, by);
+        let (_, coefficients) = scattering_medium(scene, start)?;
         let scattered = coefficients.phase().at(&start.wavelengths).eval(-self.segment.d, li.wi).value();
-        let absorbed = start.media.transmittance(t) * (self.sigma_t * -t).exp();
-        let carried = start.beta * absorbed * coefficients.sigma_s(&start.wavelengths) * scattered;
+        let sigma_s = match self.extinction {
+            Extinction::Even(_) => coefficients.sigma_s(&start.wavelengths),
+            Extinction::Varying { .. } => start.media.scattering(scene, receiver.p, &start.wavelengths),
+        };
+        let carried = start.beta * left * sigma_s * scattered;
         if drawn <= 0.0 || li.radiance.is_black() || carried.is_black() {
             return None;
         }
@@ -126,7 +200,7 @@ impl EquiangularRay {
         let with = Joining {
             wavelengths: &start.wavelengths,
             hero: start.lanes.hero,
-            r_u: start.lanes.r_u,
+            r_u: r_l,
             draws: &mut path.draws,
         };
         let passage = connect_through_media(scene, &segment, start.media, with, observer);
@@ -146,10 +220,70 @@ impl EquiangularRay {
     }
 }
 
-/// The homogeneous medium that scatters light and is alone around a path; of several media each has a phase function of its own.
-pub fn scattering_medium<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<&'a Coefficients> {
+/// A point of a ray that is gone to without a collision.
+struct Reached {
+    /// The share of light that is left, times the density of what was drawn on the way with the path's hero.
+    left: Spectrum,
+    /// Densities of the path and of what was drawn, by lanes, over that.
+    r_l: Spectrum,
+    /// Density per unit length of a collision there, the mean over the lanes.
+    pdf: f32,
+}
+
+impl CollisionOnRay {
+    /// The weight of light found at the collision.
+    pub fn weight(&self, scene: &Scene, light: LightIndex, by: LightSelection<'_>) -> f32 {
+        let CollisionOnRay { ray, t, varying_pdf } = self;
+        let sampler = &scene.lighting.sampler;
+        let of_distance = sampler.seen_from(light, &ray.segment).map_or(0.0, |span| span.pdf(*t));
+        if of_distance == 0.0 {
+            return 1.0;
+        }
+        let drawn = of_distance * sampler.pmf_along(light, &ray.segment, by);
+        if drawn <= 0.0 {
+            return 1.0;
+        }
+        let pdf = match ray.extinction {
+            Extinction::Even(sigma_t) => ray.pdf_of_even_collision(sigma_t, *t),
+            Extinction::Varying { .. } => *varying_pdf,
+        };
+        power_heuristic(pdf * sampler.pmf(light, &ray.receiver(*t), by), drawn)
+    }
+}
+
+/// The part of a ray that is within a medium.
+struct PartWithin {
+    start: f32,
+    /// Perhaps infinite.
+    length: f32,
+    /// The mean extinction of its majorants.
+    extinction: f32,
+}
+
+/// * `ray`: of unit direction
+fn within(matter: &MediumAlongRay<'_>, ray: &Ray, wavelengths: &Wavelengths) -> Option<PartWithin> {
+    let (mut part, mut depth): (Option<[f32; 2]>, f32) = (None, 0.0);
+    for span in matter.majorants(ray).filter(|span| span.density > 0.0) {
+        let [start, _] = part.unwrap_or([span.t_min; 2]);
+        part = Some([start, span.t_max]);
+        depth += span.density * (span.t_max - span.t_min);
+    }
+    let [start, end] = part?;
+    let length = end - start;
+    let density = depth / length;
+    let extinction = all_lanes(matter.sigma_t, wavelengths) * density;
+    (length > 0.0 && density.is_finite()).then_some(PartWithin { start, length, extinction })
+}
+
+/// The medium that scatters light and is alone around a path; of several media each has a phase function of its own.
+fn scattering_medium<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<(MediumId, &'a Coefficients)> {
     let medium = path.media.medium().filter(|_| !path.media.overlaps())?;
-    let media = &scene.appearance.media;
-    Some(media.coefficients(medium))
-        .filter(|coefficients| media.is_homogeneous(medium) && coefficients.scatters())
+    let coefficients = scene.appearance.media.coefficients(medium);
+    coefficients.scatters().then_some((medium, coefficients))
+}
+
+/// The same where it is homogeneous.
+pub fn homogeneous_medium<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<&'a Coefficients> {
+    let (medium, coefficients) = scattering_medium(scene, path)?;
+    scene.appearance.media.is_homogeneous(medium).then_some(coefficients)
 }

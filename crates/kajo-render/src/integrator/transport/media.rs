@@ -73,7 +73,7 @@ pub fn connect_through_media(
         if scene.occluded(segment) {
             return Passage::closed();
         }
-        along(scene, &unit(segment), &media, &mut with, &mut passage);
+        through_media(scene, &unit(segment), &media, &mut with, &mut passage);
         return passage;
     }
     // Boundaries have to be met in their order, one after the other.
@@ -84,7 +84,7 @@ pub fn connect_through_media(
         if hits {
             ray.t_max = at.hit.t;
         }
-        along(scene, &unit(&ray), &media, &mut with, &mut passage);
+        through_media(scene, &unit(&ray), &media, &mut with, &mut passage);
         if !hits || passage.t.is_black() {
             return passage;
         }
@@ -123,7 +123,13 @@ fn cross(
 }
 
 /// Goes on through the medium around the start of a ray of unit direction, to its end.
-fn along(scene: &Scene, ray: &Ray, media: &MediumStack, with: &mut Joining<'_, '_>, passage: &mut Passage) {
+pub(super) fn through_media(
+    scene: &Scene,
+    ray: &Ray,
+    media: &MediumStack,
+    with: &mut Joining<'_, '_>,
+    passage: &mut Passage,
+) {
     passage.t *= media.transmittance(ray.t_max);
     if media.differs_by_lanes(scene) {
         passage.through_all(scene, media, ray, with.wavelengths, with.hero, with.draws);

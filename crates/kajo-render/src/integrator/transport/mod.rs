@@ -51,7 +51,7 @@ pub mod steps;
 pub use arrival::{TracedSegment, arrive};
 pub use collisions::{MediumInteraction, Passage, lane_densities};
 pub use differentials::{leave, sky_footprint};
-pub use equiangular::{EquiangularRay, scattering_medium};
+pub use equiangular::{CollisionOnRay, EquiangularRay, homogeneous_medium};
 pub use frequency::radiance_factor;
 pub use lane_mis::{LaneMis, all_lanes};
 pub use local_frame::LocalFrame;
