@@ -58,7 +58,11 @@ pub const SPPM_SPECTRAL: Method = method("sppm, spectral", "integrator sppm  pho
 /// Paths from the camera and from lights, joined and merged.
 pub const VCM: Method = method("vcm", "integrator vcm  photons 5000");
 
-/// The same by wavelength.
+/// The same with one radius for all passes.
+pub const VCM_ONE_RADIUS: Method =
+    method("vcm, one radius", "integrator vcm  photons 2000  mergeRadius 0.03  mergeAlpha 1");
+
+/// Paths from the camera and from lights, joined and merged, by wavelength.
 pub const VCM_SPECTRAL: Method = method("vcm, spectral", "integrator vcm  photons 5000  spectral on");
 
 /// Irradiance of few points, interpolated.

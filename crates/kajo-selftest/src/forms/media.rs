@@ -9,7 +9,8 @@
 //! L = albedo / 4pi exp(-s (1 - y)) (1 - exp(-2 s))
 //! ```
 //!
-//! Seen from within, up to a black disk at the distance `d`, the last factor is `1 - exp(-s d)`.
+//! Seen from within, up to a black disk at the distance `d`, the last factor is `1 - exp(-s d)`. In clear glass that bends next to nothing it is
+//! as bright, and nothing but paths from both ends that meet in the medium finds it.
 //!
 //! *A point light in endless fog*, at the distance `b` from the camera's ray, whose closest point is `a` ahead:
 //!
@@ -31,7 +32,7 @@ use super::quadrature::simpson;
 use super::{Form, Parameters, STARTS, spot_meter};
 use crate::method::{
     BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, MLT, MMLT, Method, PATH, PATH_SCATTERING, PATH_SPECTRAL,
-    PHOTON_DIRECT, SPPM, VCM,
+    PHOTON_DIRECT, SPPM, VCM, VCM_ONE_RADIUS,
 };
 
 const MEDIA: &[Method] = &[PATH, PATH_SCATTERING, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
@@ -53,6 +54,15 @@ const PHOTONS_AND_JOINTS: &[Method] = &[SPPM, VCM];
 
 /// By a map of photons that is seen itself, since direct light is drawn otherwise.
 const SEEN: &[Method] = &[PHOTON_DIRECT];
+
+/// Where no two vertices can be connected.
+const MERGED: &[Method] = &[VCM_ONE_RADIUS];
+
+/// Radius of the balls of [`VCM_ONE_RADIUS`].
+const BALL_RADIUS: f64 = 0.06;
+
+/// What else such balls may change behind glass, as a share of the light.
+const BEHIND_GLASS: f64 = 1e-2;
 
 /// What balls of photons may lose that reach over the border of a body, as a share of its light: those of the first passes are a tenth of it wide.
 const BORDER: f64 = 5e-3;
@@ -90,6 +100,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     // All pixels share the photons of a sample.
     forms.push(wide(draw, "a ball by photons", PHOTONS_AND_JOINTS).rounding(BORDER).size([64, 64]));
     forms.extend([within(draw, DRAWN), within(draw, SEEN).rounding(BLUR).least_noise(OF_ONE_MAP)]);
+    forms.push(behind_glass(draw));
     forms
 }
 
@@ -130,13 +141,18 @@ fn hot(draw: &mut Parameters) -> Form {
     Form::new("a body as hot as the sky around it".to_owned(), scene, 1.0, MEDIA)
 }
 
+/// Light of the beam in a cube at the height `y`, with the extinction `s`.
+fn beam_in_cube(s: f64, y: f64, albedo: f64) -> f64 {
+    albedo / (4.0 * PI) * (-s * (1.0 - y)).exp() * (1.0 - (-2.0 * s).exp())
+}
+
 fn beam(draw: &mut Parameters) -> Form {
     let (s, y, albedo) = (draw.between(0.3, 2.0), draw.between(-0.8, 0.8), draw.between(0.3, 1.0));
     let view = spot_meter(DVec3::new(0.0, y, 5.0), DVec3::new(0.0, y, 0.0));
     let medium = format!("Medium m {{ albedo {albedo} density {s} }}");
     let scene = filled(&view, &medium, "Interface b { medium m }", CUBE)
         + "Lights { DirectionalLight { direction 0 -1 0  irradiance 1 } }";
-    let expected = albedo / (4.0 * PI) * (-s * (1.0 - y)).exp() * (1.0 - (-2.0 * s).exp());
+    let expected = beam_in_cube(s, y, albedo);
     Form::new(format!("S10 beam in a cube of {s}, albedo {albedo}, at height {y}"), scene, expected, DRAWN)
         .bounces(0)
 }
@@ -155,6 +171,28 @@ fn within(draw: &mut Parameters, methods: &'static [Method]) -> Form {
     let expected = albedo / (4.0 * PI) * (-s * (1.0 - y)).exp() * (1.0 - (-s * (from - to)).exp());
     let name = format!("S10 beam in a cube of {s}, albedo {albedo}, seen from within at height {y}");
     Form::new(name, scene, expected, methods).bounces(0)
+}
+
+/// The beam in a cube of clear glass, all across it: light enters the cube, is scattered once, and leaves it.
+fn behind_glass(draw: &mut Parameters) -> Form {
+    let (s, y, albedo) = (draw.between(0.3, 1.2), draw.between(-0.8, 0.8), draw.between(0.3, 1.0));
+    let view = format!(
+        "OrthographicCamera {{ center 0 {y} 5  direction 0 0 -1  up 0 1 0  size 0.00625 }}
+         Background {{ color 0 0 0 }}\n"
+    );
+    let medium = format!("Medium m {{ albedo {albedo} density {s} }}");
+    let scene = filled(&view, &medium, "Glass b { indexOfRefraction 1.0001  medium m }", CUBE)
+        + "Lights { DirectionalLight { direction 0 -1 0  irradiance 1 } }";
+    // Light within `r` of the walls that the camera looks through: a ball there lies outside by `(2 - 3 t + t^3)/4` of it at the depth `t r`,
+    // the integral over `t` of which is 3/16.
+    let lost = s * 3.0 / 16.0 * BALL_RADIUS * (1.0 + (-2.0 * s).exp()) / (1.0 - (-2.0 * s).exp());
+    let expected = beam_in_cube(s, y, albedo) * (1.0 - lost);
+    let name = format!("S10 beam in a cube of glass of {s}, albedo {albedo}, at height {y}");
+    Form::new(name, scene, expected, MERGED)
+        .bounces(2)
+        .rounding(BEHIND_GLASS)
+        .least_noise(0.25 * BEHIND_GLASS)
+        .size([256, 1])
 }
 
 fn fog(draw: &mut Parameters) -> Form {

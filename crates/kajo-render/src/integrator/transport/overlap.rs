@@ -16,9 +16,9 @@
 //! Media that absorb and do nothing else, everywhere the same, are a factor `exp(-sigma_a s)` and no part of this.
 //!
 //! Which medium scatters is chosen in proportion to its scattering there, of the hero,
-//! `P[i](k) = sigma_s,k[i] d_k[i] / sum over j of sigma_s,j[i] d_j[i]`. Each lane would choose otherwise, so this counts among the densities of all lanes, or colours would be noisier with each
-//! scattering. A vertex has the phase function of one medium. The probability is the same for paths from both ends, so it cancels in
-//! the MIS weights.
+//! `P[i](k) = sigma_s,k[i] d_k[i] / sum over j of sigma_s,j[i] d_j[i]`. Each lane would choose otherwise, so this counts among the densities of
+//! all lanes, or colours would be noisier with each scattering. A vertex has the phase function of one medium. The probability is the same for
+//! paths from both ends, so it cancels in the MIS weights.
 
 use std::array;
 
