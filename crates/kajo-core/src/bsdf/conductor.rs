@@ -22,6 +22,7 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
+use super::microfacet::half_vector;
 use super::{BsdfSample, Microfacets, ScatterKind, energy, same_side, upright};
 
 /// How much the facets of a metal reflect.
@@ -129,15 +130,17 @@ impl Conductor {
         }
         let (wo, wi) = upright(wo, wi);
         let facets = self.microfacets.held();
-        let m = (wo + wi).normalize_or_zero();
-        self.reflected(&facets, wo, wi, m) * facets.mirror_lobe(wo, wi, m)
+        let (m, cos) = half_vector(wo, wi);
+        self.reflected(&facets, [wo, wi], cos) * facets.mirror_lobe(wo, wi, m)
     }
 
-    /// What the facet `m` reflects, times the factor for further bounces.
+    /// What a facet reflects, times the factor for further bounces.
+    ///
+    /// * `cos`: cosine of both directions with its normal
     #[inline]
-    fn reflected(&self, facets: &Microfacets, wo: Vec3, wi: Vec3, m: Vec3) -> Spectrum {
+    fn reflected(&self, facets: &Microfacets, [wo, wi]: [Vec3; 2], cos: f32) -> Spectrum {
         let x = energy::metal(facets, wo) * energy::metal(facets, wi);
-        self.fresnel.at(wo.dot(m)).map(|f| f * energy::saturate(f, x))
+        self.fresnel.at(cos).map(|f| f * energy::saturate(f, x))
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
@@ -145,7 +148,7 @@ impl Conductor {
             return 0.0;
         }
         let (wo, wi) = upright(wo, wi);
-        let m = (wo + wi).normalize_or_zero();
+        let (m, _) = half_vector(wo, wi);
         0.25 * self.microfacets.held().visible_over_cos(wo, m)
     }
 
@@ -158,11 +161,12 @@ impl Conductor {
         let wo = Vec3::new(wo.x, wo.y, wo.z.abs());
         let facets = self.microfacets.held();
         let m = facets.sample(wo, u);
-        let wi = 2.0 * wo.dot(m) * m - wo;
+        let cos = wo.dot(m);
+        let wi = 2.0 * cos * m - wo;
         if wi.z <= 0.0 {
             return None;
         }
-        let weight = self.reflected(&facets, wo, wi, m) * facets.g2_over_g1(wo, wi);
+        let weight = self.reflected(&facets, [wo, wi], cos) * facets.g2_over_g1(wo, wi);
         let pdf = 0.25 * facets.visible_over_cos(wo, m);
         BsdfSample::new(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf, ScatterKind::REFLECTION)
     }

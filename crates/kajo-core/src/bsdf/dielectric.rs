@@ -21,6 +21,7 @@ use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
 use super::energy::Loss;
+use super::microfacet::half_vector;
 use super::{BsdfSample, Microfacets, ScatterKind, Transport, fresnel, same_side};
 
 /// Indices nearer to each other than this part without bending light that single precision could tell.
@@ -93,8 +94,9 @@ impl Dielectric {
         let side = wo.z.signum();
         let seen = |m: Vec3| facets.visible_over_cos(side * wo, m);
         if same_side(wo, wi) {
-            let m = side * (wo + wi).normalize_or_zero();
-            let f = fresnel::dielectric(side * wo.dot(m), self.incident_side(wo).eta);
+            let (m, cos) = half_vector(wo, wi);
+            let m = side * m;
+            let f = fresnel::dielectric(cos, self.incident_side(wo).eta);
             let value = 0.25 * f * facets.d(m) * facets.g2(wo, wi) / wo.z.abs();
             return (value, 0.25 * f * seen(m));
         }

@@ -21,6 +21,7 @@
 use kajo_math::{Vec2, Vec3};
 
 use super::energy::{self, Loss};
+use super::microfacet::half_vector;
 use super::{Microfacets, fresnel};
 
 /// Indices nearer to 1 than this do not reflect.
@@ -52,7 +53,7 @@ impl Gloss {
         if self.n < 1.0 + MATCHED {
             return [0.0; 2];
         }
-        let once = self.facets.mirror_lobe(wo, wi, (wo + wi).normalize_or_zero());
+        let once = self.facets.mirror_lobe(wo, wi, half_vector(wo, wi).0);
         [once, once * energy::metal(&self.facets, wo) * energy::metal(&self.facets, wi)]
     }
 
@@ -85,11 +86,7 @@ impl Gloss {
         if self.n < 1.0 + MATCHED {
             return (0.0, 0.0);
         }
-        let sum = wo + wi;
-        let m = sum.normalize_or_zero();
-        // The cosine of both with `m`. Where they are nearly opposite, rounded unit vectors have two others, and Fresnel's term
-        // would not be the same both ways.
-        let cos = 0.5 * sum.length();
+        let (m, cos) = half_vector(wo, wi);
         let once = self.facets.mirror_lobe(wo, wi, m) * fresnel::dielectric(cos, self.n);
         let again = self.loss.returned(false, wi);
         let share = self.again(wo);

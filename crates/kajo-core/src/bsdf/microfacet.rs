@@ -44,6 +44,16 @@ pub struct Microfacets {
     pub alpha_y: f32,
 }
 
+/// The half vector of two unit directions on the same side, zero where they are opposite, and the cosine of both with it.
+///
+/// The cosine is half the length of their sum. Where they are nearly opposite, rounded unit vectors have two different dot products with
+/// the half vector, and Fresnel's term by one of them would not be the same both ways.
+#[inline]
+pub(super) fn half_vector(wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+    let sum = wo + wi;
+    (sum.normalize_or_zero(), 0.5 * sum.length())
+}
+
 impl Microfacets {
     /// The same roughness in every direction, in [0, 1].
     pub fn new(shape: NormalDistribution, alpha: f32) -> Microfacets {

@@ -26,7 +26,7 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
-use super::microfacet::NormalDistribution;
+use super::microfacet::{NormalDistribution, half_vector};
 use super::{BsdfSample, Conductor, MetalFresnel, Microfacets, ScatterKind, energy, fresnel, same_side};
 
 /// Up to this `α`, which is a roughness of 0.1, a pane is taken as polished. It would scatter light by about a degree, and
@@ -97,13 +97,15 @@ impl ThinDielectric {
         }
         let facets = self.microfacets.held();
         let (o, i) = (above(wo), above(wi));
-        let m = (o + i).normalize_or_zero();
-        self.scattered(&facets, o, i, m)[usize::from(!same_side(wo, wi))] * facets.mirror_lobe(o, i, m)
+        let (m, cos) = half_vector(o, i);
+        self.scattered(&facets, [o, i], cos)[usize::from(!same_side(wo, wi))] * facets.mirror_lobe(o, i, m)
     }
 
-    /// What the facet `m` reflects and lets through, times the factor for further bounces; all directions above.
-    fn scattered(&self, facets: &Microfacets, o: Vec3, i: Vec3, m: Vec3) -> [Spectrum; 2] {
-        let (r, t) = self.shares(o.dot(m).min(1.0));
+    /// What a facet reflects and lets through, times the factor for further bounces; all directions above.
+    ///
+    /// * `cos`: cosine of both directions with its normal
+    fn scattered(&self, facets: &Microfacets, [o, i]: [Vec3; 2], cos: f32) -> [Spectrum; 2] {
+        let (r, t) = self.shares(cos.min(1.0));
         let x = energy::metal(facets, o) * energy::metal(facets, i);
         let again = (r + t).map(|f| energy::saturate(f, x));
         [r * again, t * again]
@@ -114,8 +116,8 @@ impl ThinDielectric {
             return 0.0;
         }
         let (o, i) = (above(wo), above(wi));
-        let m = (o + i).normalize_or_zero();
-        let (r, t) = self.shares(o.dot(m).min(1.0));
+        let (m, cos) = half_vector(o, i);
+        let (r, t) = self.shares(cos.min(1.0));
         let mirrored = mirror_probability(r, t);
         let share = if same_side(wo, wi) { mirrored } else { 1.0 - mirrored };
         0.25 * share * self.microfacets.held().visible_over_cos(o, m)
@@ -143,12 +145,13 @@ impl ThinDielectric {
         if i.z <= 0.0 {
             return None;
         }
-        let (r, t) = self.shares(o.dot(m).min(1.0));
+        let cos = o.dot(m);
+        let (r, t) = self.shares(cos.min(1.0));
         let mirrored = mirror_probability(r, t);
         let passes = uc >= mirrored;
         let share = if passes { 1.0 - mirrored } else { mirrored };
         let weight =
-            self.scattered(&facets, o, i, m)[usize::from(passes)] * (facets.g2_over_g1(o, i) / share);
+            self.scattered(&facets, [o, i], cos)[usize::from(passes)] * (facets.g2_over_g1(o, i) / share);
         let pdf = 0.25 * share * facets.visible_over_cos(o, m);
         let is_above = (wo.z > 0.0) != passes;
         let wi = if is_above { i } else { Vec3::new(i.x, i.y, -i.z) };

@@ -231,7 +231,7 @@ impl Compiler<'_> {
                 let raw =
                     size.map(|size| RawVolume { size, encoding: encoding.unwrap_or(VolumeEncoding::F32) });
                 if raw.is_none() && self.has_grids(&file)? {
-                    let (index, entry) = self.grid_of_file(&file, grid.as_ref(), "density")?;
+                    let (index, entry) = self.grid_of_file(&file, grid.as_ref())?;
                     let corners = [min, max];
                     return Some(GridSource::Voxels(Box::new(FileGrid { file, entry, index, corners })));
                 }
@@ -282,18 +282,17 @@ impl Compiler<'_> {
         file: &At<'_, FileName>,
         name: &At<'_, GridName>,
     ) -> Option<VoxelGrid<T>> {
-        let (index, _) = self.grid_of_file(file, Some(name), "")?;
+        let (index, _) = self.grid_of_file(file, Some(name))?;
         self.read_grid(file, index)
     }
 
     /// Which grid of a file it is, and what the file says of it.
     ///
-    /// * `named`: its name; without one it is that of the name `usual`, or the first one that has numbers
+    /// * `named`: its name; without one it is `density`, or the first one that has numbers
     fn grid_of_file(
         &mut self,
         file: &At<'_, FileName>,
         named: Option<&At<'_, GridName>>,
-        usual: &str,
     ) -> Option<(usize, GridEntry)> {
         let limits = &self.options.limits;
         let entries = list_vdb(self.opened(file)?, limits).map_err(|error| error.to_string());
@@ -316,7 +315,7 @@ impl Compiler<'_> {
             }
             None => {
                 let is_usable = |entry: &GridEntry| entry.channels == Ok(1);
-                let found = entries.iter().position(|entry| is_usable(entry) && entry.name == usual);
+                let found = entries.iter().position(|entry| is_usable(entry) && entry.name == "density");
                 let found = found.or_else(|| entries.iter().position(is_usable));
                 if found.is_none() {
                     self.unreadable(

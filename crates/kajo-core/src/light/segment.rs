@@ -25,8 +25,8 @@ const FREE_PATHS: f32 = 3.0;
 /// The least length of a ray, over its distance from a light, along which it makes a difference where the light is.
 const NEAR: f32 = 0.5;
 
-/// The same where the density varies, and what a point costs is more: there it is to make a large one.
-const NEAR_WHERE_VARYING: f32 = 2.0;
+/// The same in heterogeneous media, where a point costs more, and so has to make a larger difference.
+const NEAR_IN_HETEROGENEOUS: f32 = 2.0;
 
 /// A piece of a ray through a medium, along which a light is to be drawn.
 #[derive(Clone, Copy, Debug)]
@@ -41,8 +41,8 @@ pub struct RaySegment {
     pub time: f32,
     /// Extinction of the medium, per unit of length.
     pub extinction: f32,
-    /// Whether that is the same everywhere.
-    pub is_even: bool,
+    /// Whether that is the same everywhere, not its mean.
+    pub is_homogeneous: bool,
 }
 
 /// The part of a ray that a light can reach.
@@ -77,9 +77,9 @@ pub(super) struct LightCone {
 
 impl RaySegment {
     /// * `length`: perhaps infinite
-    /// * `extinction`: of the medium, per unit of length, the same everywhere
+    /// * `extinction`: of the medium, which is homogeneous, per unit of length
     pub fn new(ray: &Ray, length: f32, extinction: f32) -> RaySegment {
-        RaySegment { o: ray.o, d: ray.d, length, time: ray.time, extinction, is_even: true }
+        RaySegment { o: ray.o, d: ray.d, length, time: ray.time, extinction, is_homogeneous: true }
     }
 
     /// A point for which what is known of a region is asked: a free path from the start, or half of the way.
@@ -128,7 +128,7 @@ impl RaySegment {
         let is_cut = part.ends[0] > 0.0 || part.ends[1] < self.length;
         let reached = self.length.min(FREE_PATHS / self.extinction);
         let off = part.nearest() - part.closest;
-        let near = if self.is_even { NEAR } else { NEAR_WHERE_VARYING };
+        let near = if self.is_homogeneous { NEAR } else { NEAR_IN_HETEROGENEOUS };
         is_cut || reached * reached > near * near * (part.distance * part.distance + off * off)
     }
 }
@@ -236,7 +236,7 @@ mod tests {
             length,
             time: 0.0,
             extinction: 0.3,
-            is_even: true,
+            is_homogeneous: true,
         }
     }
 
@@ -274,7 +274,7 @@ mod tests {
             length: f32::INFINITY,
             time: 0.0,
             extinction: 1.0,
-            is_even: true,
+            is_homogeneous: true,
         };
         let cone = |cos| LightCone { center: Vec3::ZERO, radius: 0.0, axis: Vec3::NEG_Y, cos };
         let within = |o, d, cos| along(o, d).within(&cone(cos));

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::Vec3;
 
 use super::{MaterialId, Materials};
@@ -64,5 +65,11 @@ impl Appearance {
     #[inline]
     pub fn density(&self, medium: MediumId, p: Vec3) -> f32 {
         self.media.density(medium, &self.textures, p)
+    }
+
+    /// The same for each wavelength; see [`crate::medium::Medium::spectral_density`].
+    #[inline]
+    pub fn spectral_density(&self, medium: MediumId, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+        self.media.spectral_density(medium, &self.textures, p, wavelengths)
     }
 }

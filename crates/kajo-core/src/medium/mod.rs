@@ -75,14 +75,14 @@ pub trait Medium {
     /// The density at a world-space point, not negative.
     fn density(&self, textures: &Textures, p: Vec3) -> f32;
 
-    /// Whether wavelengths have different shares of the density, which are those of [`Medium::density_shares`].
+    /// Whether the density depends on the wavelength.
     fn has_colored_density(&self) -> bool {
         false
     }
 
-    /// The share that each wavelength has of the density at a world-space point, from 0 to 1.
-    fn density_shares(&self, _p: Vec3, _wavelengths: &Wavelengths) -> Spectrum {
-        Spectrum::WHITE
+    /// The density at a world-space point for each wavelength, nowhere more than [`Medium::density`].
+    fn spectral_density(&self, textures: &Textures, p: Vec3, _wavelengths: &Wavelengths) -> Spectrum {
+        Spectrum::grey(self.density(textures, p))
     }
 
     /// Bounds on the density along a ray in world space, from its start on.
@@ -184,8 +184,8 @@ family! {
         fn density(textures: &Textures, p: Vec3) -> f32;
         /// See [`Medium::has_colored_density`].
         fn has_colored_density() -> bool;
-        /// See [`Medium::density_shares`].
-        fn density_shares(p: Vec3, wavelengths: &Wavelengths) -> Spectrum;
+        /// See [`Medium::spectral_density`].
+        fn spectral_density(textures: &Textures, p: Vec3, wavelengths: &Wavelengths) -> Spectrum;
         /// See [`Medium::majorants`].
         fn majorants(ray: &Ray) -> Majorants<'_>;
         /// See [`Medium::bounds`].

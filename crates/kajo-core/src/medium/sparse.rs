@@ -35,8 +35,8 @@ pub trait DensityVoxel: VoxelValue {
     /// The density at a world-space point, interpolated: of one with a colour the largest part.
     fn density(grid: &PlacedVoxels<Self>, p: Vec3) -> f32;
 
-    /// The shares that wavelengths have of it, from 0 to 1.
-    fn shares(grid: &PlacedVoxels<Self>, p: Vec3, wavelengths: &Wavelengths) -> Spectrum;
+    /// The same for each wavelength.
+    fn spectral_density(grid: &PlacedVoxels<Self>, p: Vec3, wavelengths: &Wavelengths) -> Spectrum;
 }
 
 impl DensityVoxel for f32 {
@@ -46,8 +46,8 @@ impl DensityVoxel for f32 {
         grid.at(p)
     }
 
-    fn shares(_: &PlacedVoxels, _: Vec3, _: &Wavelengths) -> Spectrum {
-        Spectrum::WHITE
+    fn spectral_density(grid: &PlacedVoxels, p: Vec3, _: &Wavelengths) -> Spectrum {
+        Spectrum::grey(grid.at(p))
     }
 }
 
@@ -58,10 +58,13 @@ impl DensityVoxel for [f32; 3] {
         color_at(grid, p).max_element()
     }
 
-    fn shares(grid: &PlacedVoxels<[f32; 3]>, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+    fn spectral_density(grid: &PlacedVoxels<[f32; 3]>, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         let color = color_at(grid, p);
         let most = color.max_element();
-        if most > 0.0 { rgb_reflectance((color / most).to_array(), wavelengths) } else { Spectrum::BLACK }
+        if most <= 0.0 {
+            return Spectrum::BLACK;
+        }
+        rgb_reflectance((color / most).to_array(), wavelengths) * most
     }
 }
 
@@ -169,8 +172,8 @@ impl<T: DensityVoxel> Medium for SparseGridMedium<T> {
         T::IS_COLORED
     }
 
-    fn density_shares(&self, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
-        T::shares(&self.grid, p, wavelengths)
+    fn spectral_density(&self, _textures: &Textures, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+        T::spectral_density(&self.grid, p, wavelengths)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -290,9 +293,9 @@ mod tests {
         }
     }
 
-    /// Of a colour the largest part is the density, whose bounds hold, and wavelengths have shares of it.
+    /// Of a colour the largest part is the density, whose bounds hold for all wavelengths.
     #[test]
-    fn colours_are_densities_and_shares() {
+    fn colours_are_densities() {
         let mut grid = VdbGrid::new("Cd", VdbKind::Vec3, VdbMap::Uniform(1.0));
         grid.set([0, 0, 0], [4.0, 2.0, 0.0]);
         grid.set([1, 0, 0], [0.0, 1.0, 2.0]);
@@ -306,22 +309,22 @@ mod tests {
         let placed = PlacedVoxels::new(read.voxels, &affine(&read.map)).unwrap();
         let medium = SparseGridMedium::new(coefficients, placed).unwrap();
         assert!(medium.has_colored_density());
-        for (x, density, shares) in [
-            (0.0, 4.0, [1.0, 0.5, 0.0]),
-            (0.25, 3.0, [1.0, 1.75 / 3.0, 0.5 / 3.0]),
-            (0.5, 2.0, [1.0, 0.75, 0.5]),
-            (0.75, 1.5, [1.0 / 1.5, 1.25 / 1.5, 1.0]),
+        for (x, density, colors) in [
+            (0.0, 4.0, [4.0, 2.0, 0.0]),
+            (0.25, 3.0, [3.0, 1.75, 0.5]),
+            (0.5, 2.0, [2.0, 1.5, 1.0]),
+            (0.75, 1.5, [1.0, 1.25, 1.5]),
             (1.5, 1.0, [0.0, 0.5, 1.0]),
             (2.5, 0.0, [0.0; 3]),
         ] {
             let p = Vec3::new(x, 0.0, 0.0);
             assert_eq!(medium.density(&Textures::default(), p), density, "{x}");
-            let found = medium.density_shares(p, &Wavelengths::RGB).to_rgb();
-            assert!((0..3).all(|i| (found[i] - shares[i]).abs() < 1e-6), "{x}: {found:?}");
+            let found = medium.spectral_density(&Textures::default(), p, &Wavelengths::RGB).to_rgb();
+            assert!((0..3).all(|i| (found[i] - colors[i]).abs() < 1e-6), "{x}: {found:?}");
             for u in [0.2, 0.6] {
                 let wavelengths = Wavelengths::sample(u);
-                let found = medium.density_shares(p, &wavelengths);
-                assert!((0..4).all(|i| (0.0..=1.0).contains(&found[i])), "{x} {u}: {found:?}");
+                let found = medium.spectral_density(&Textures::default(), p, &wavelengths);
+                assert!((0..4).all(|i| (0.0..=density).contains(&found[i])), "{x} {u}: {found:?}");
             }
             let ray = Ray::new(p, Vec3::Y);
             let most = medium.majorants(&ray).map(|m| m.density).fold(0.0, f32::max);

@@ -138,8 +138,14 @@ fn probabilities_along_rays_agree_with_the_walk() {
         let s = Stream::new(7, [k, 0], 0);
         let o = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
         let d = warp::uniform_sphere(Vec2::new(s.uniform(3), s.uniform(4)));
-        let along =
-            RaySegment { o, d, length: 20.0 * s.uniform(5), time: 0.0, extinction: 0.2, is_even: true };
+        let along = RaySegment {
+            o,
+            d,
+            length: 20.0 * s.uniform(5),
+            time: 0.0,
+            extinction: 0.2,
+            is_homogeneous: true,
+        };
         let sum: f32 = all().map(|light| tree.pmf(light, &along, &tree.first_step(&along))).sum();
         assert!(sum < 1.0 + 1e-4, "{sum}");
         for j in 0..50 {
@@ -166,7 +172,7 @@ fn a_light_that_a_ray_passes_closely_is_chosen() {
         length: 6.0,
         time: 0.0,
         extinction: 0.1,
-        is_even: true,
+        is_homogeneous: true,
     };
     let first = LightIndex::new(0).expect("an index");
     assert!(tree.pmf(first, &along, &tree.first_step(&along)) > 0.99);

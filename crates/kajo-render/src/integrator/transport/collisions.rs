@@ -79,9 +79,8 @@ impl MediumStack {
     pub fn scattering(&self, scene: &Scene, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         let of = |medium: MediumId| {
             let coefficients = scene.appearance.media.coefficients(medium);
-            let sigma_s = coefficients.sigma_s(wavelengths) * scene.appearance.density(medium, p);
-            let sigma_s = sigma_s * scene.appearance.media.density_shares(medium, p, wavelengths);
-            coefficients.colors().map_or(sigma_s, |colors| sigma_s * colors.at(p, wavelengths))
+            let density = scene.appearance.spectral_density(medium, p, wavelengths);
+            scattering_at(coefficients, density, p, wavelengths)
         };
         if !self.overlaps() {
             return self.medium().map_or(Spectrum::BLACK, of);
@@ -89,6 +88,19 @@ impl MediumStack {
         let each = self.each_medium();
         each.iter().filter_map(|medium| medium.get()).fold(Spectrum::BLACK, |sum, medium| sum + of(medium))
     }
+}
+
+/// Scattering per unit length of a medium at a point, by lanes.
+///
+/// * `density`: there, by lanes
+pub(super) fn scattering_at(
+    coefficients: &Coefficients,
+    density: Spectrum,
+    p: Vec3,
+    wavelengths: &Wavelengths,
+) -> Spectrum {
+    let sigma_s = coefficients.sigma_s(wavelengths) * density;
+    coefficients.colors().map_or(sigma_s, |colors| sigma_s * colors.at(p, wavelengths))
 }
 
 impl PathState<'_> {
@@ -255,16 +267,8 @@ impl<'a> MediumAlongRay<'a> {
     }
 
     /// The density at a point by lanes.
-    ///
-    /// * `most`: what it is at most
-    #[inline]
-    pub(super) fn density_by_lanes(&self, p: Vec3, most: f32, wavelengths: &Wavelengths) -> Spectrum {
-        let density = Spectrum::grey(self.density(p).min(most));
-        let media = &self.scene.appearance.media;
-        match media.has_colored_density(self.medium) {
-            true => density * media.density_shares(self.medium, p, wavelengths),
-            false => density,
-        }
+    pub(super) fn spectral_density(&self, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+        self.scene.appearance.spectral_density(self.medium, p, wavelengths)
     }
 
     /// `T[i] sigma[i] / (T[h] sigma[h])` after a step that ended in a collision; black where rounding left nothing.

@@ -40,7 +40,7 @@ use kajo_core::scene::Scene;
 use kajo_core::space::Space;
 use kajo_math::{Ray, Vec3};
 
-use super::collisions::MediumAlongRay;
+use super::collisions::{MediumAlongRay, scattering_at};
 use super::media::through_media;
 use super::{Joining, Passage, PathState, all_lanes, connect_through_media, power_heuristic};
 use crate::trail::{About, PathObserver, RayKind};
@@ -60,9 +60,9 @@ pub struct EquiangularRay {
 #[derive(Clone, Copy, Debug)]
 enum Extinction {
     /// The same everywhere, by lanes.
-    Even(Spectrum),
-    /// More or less.
-    Varying {
+    Homogeneous(Spectrum),
+    /// By the density at each place.
+    Heterogeneous {
         /// The probability of having come to the start of the ray from the last vertex without a collision.
         before: f32,
     },
@@ -74,8 +74,8 @@ pub struct CollisionOnRay {
     ray: EquiangularRay,
     /// Its distance.
     t: f32,
-    /// Density per unit length of a collision there where the density varies, the mean over the lanes.
-    varying_pdf: f32,
+    /// Density per unit length of a collision there in a heterogeneous medium, `q sigma_t`, the mean over the lanes; 0 in others.
+    tracked_pdf: f32,
 }
 
 impl EquiangularRay {
@@ -92,14 +92,14 @@ impl EquiangularRay {
         let (start, segment, extinction) = if scene.appearance.media.is_homogeneous(medium) {
             let sigma_t = coefficients.sigma_s(&wavelengths) + coefficients.sigma_a(&wavelengths);
             let segment = RaySegment::new(&path.ray, length, all_lanes(sigma_t, &wavelengths));
-            (0.0, segment, Extinction::Even(sigma_t))
+            (0.0, segment, Extinction::Homogeneous(sigma_t))
         } else {
             let matter = MediumAlongRay::new(scene, medium, &wavelengths, path.lanes.hero);
             let part = within(&matter, &Ray { t_min: 0.0, t_max: length, ..path.ray }, &wavelengths)?;
             let ray = Ray { o: path.ray.at(part.start), ..path.ray };
             let segment =
-                RaySegment { is_even: false, ..RaySegment::new(&ray, part.length, part.extinction) };
-            (part.start, segment, Extinction::Varying { before: path.lanes.arrival(&wavelengths) })
+                RaySegment { is_homogeneous: false, ..RaySegment::new(&ray, part.length, part.extinction) };
+            (part.start, segment, Extinction::Heterogeneous { before: path.lanes.arrival(&wavelengths) })
         };
         let ray = EquiangularRay { segment, start, extinction, wavelengths };
         segment.middle().is_finite().then_some(ray)
@@ -112,7 +112,7 @@ impl EquiangularRay {
     }
 
     /// Density of a collision per unit length in a medium that is the same everywhere.
-    fn pdf_of_even_collision(&self, sigma_t: Spectrum, t: f32) -> f32 {
+    fn pdf_in_homogeneous(&self, sigma_t: Spectrum, t: f32) -> f32 {
         all_lanes(sigma_t * (sigma_t * -t).exp(), &self.wavelengths)
     }
 
@@ -121,11 +121,11 @@ impl EquiangularRay {
     /// * `length`: distance from the start of the ray
     /// * `path`: behind the collision, before it goes on
     pub fn collision(&self, length: f32, path: &PathState<'_>) -> CollisionOnRay {
-        let varying_pdf = match self.extinction {
-            Extinction::Even(_) => 0.0,
-            Extinction::Varying { before } => path.lanes.reach * path.lanes.sigma_t / before,
+        let tracked_pdf = match self.extinction {
+            Extinction::Homogeneous(_) => 0.0,
+            Extinction::Heterogeneous { before } => path.lanes.reach * path.lanes.sigma_t / before,
         };
-        CollisionOnRay { ray: *self, t: length - self.start, varying_pdf }
+        CollisionOnRay { ray: *self, t: length - self.start, tracked_pdf }
     }
 
     /// Goes to a point of the segment without a collision.
@@ -141,23 +141,27 @@ impl EquiangularRay {
         t: f32,
     ) -> Option<Reached> {
         let (wavelengths, lanes) = (&start.wavelengths, &start.lanes);
+        let (medium, coefficients) = scattering_medium(scene, start)?;
         let before = match self.extinction {
-            Extinction::Even(sigma_t) => {
+            Extinction::Homogeneous(sigma_t) => {
                 let left = start.media.transmittance(t) * (sigma_t * -t).exp();
-                let pdf = self.pdf_of_even_collision(sigma_t, t);
-                return Some(Reached { left, r_l: lanes.r_u, pdf });
+                let pdf = self.pdf_in_homogeneous(sigma_t, t);
+                let sigma_s = coefficients.sigma_s(wavelengths);
+                return Some(Reached { left, sigma_s, r_l: lanes.r_u, pdf });
             }
-            Extinction::Varying { before } => before,
+            Extinction::Heterogeneous { before } => before,
         };
-        let matter = MediumAlongRay::new(scene, start.media.medium()?, wavelengths, lanes.hero);
+        let matter = MediumAlongRay::new(scene, medium, wavelengths, lanes.hero);
         let ray = Ray { t_min: 0.0, t_max: self.start + t, ..start.ray };
         let mut with = Joining { wavelengths, hero: lanes.hero, r_u: lanes.r_u, draws: &mut path.draws };
         let mut passage = Passage::open(lanes.r_u);
         through_media(scene, &ray, &start.media, &mut with, &mut passage);
         let passed = lanes.r_u.safe_div(lanes.r_l) * passage.r_u.safe_div(passage.r_l);
-        let density = matter.density_by_lanes(ray.at(ray.t_max), f32::INFINITY, wavelengths);
+        let p = ray.at(ray.t_max);
+        let density = matter.spectral_density(p, wavelengths);
+        let sigma_s = scattering_at(coefficients, density, p, wavelengths);
         let pdf = all_lanes(passed, wavelengths) / before * all_lanes(matter.sigma_t * density, wavelengths);
-        (!passage.t.is_black()).then_some(Reached { left: passage.t, r_l: passage.r_l, pdf })
+        (!passage.t.is_black()).then_some(Reached { left: passage.t, sigma_s, r_l: passage.r_l, pdf })
     }
 
     /// A light, and what it adds to the path at a point drawn along the ray: `w beta T sigma_s p Li / (P_r e q)`.
@@ -183,14 +187,10 @@ impl EquiangularRay {
         let receiver = self.receiver(t);
         let li = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths)?;
         let drawn = chosen.probability * span.pdf(t);
-        let Reached { left, r_l, pdf } = self.reach(scene, start, path, t)?;
+        let Reached { left, sigma_s, r_l, pdf } = self.reach(scene, start, path, t)?;
         let collided = pdf * scene.lighting.sampler.pmf(light, &receiver, by);
         let (_, coefficients) = scattering_medium(scene, start)?;
         let scattered = coefficients.phase().at(&start.wavelengths).eval(-self.segment.d, li.wi).value();
-        let sigma_s = match self.extinction {
-            Extinction::Even(_) => coefficients.sigma_s(&start.wavelengths),
-            Extinction::Varying { .. } => start.media.scattering(scene, receiver.p, &start.wavelengths),
-        };
         let carried = start.beta * left * sigma_s * scattered;
         if drawn <= 0.0 || li.radiance.is_black() || carried.is_black() {
             return None;
@@ -224,6 +224,8 @@ impl EquiangularRay {
 struct Reached {
     /// The share of light that is left, times the density of what was drawn on the way with the path's hero.
     left: Spectrum,
+    /// Scattering per unit length there, by lanes.
+    sigma_s: Spectrum,
     /// Densities of the path and of what was drawn, by lanes, over that.
     r_l: Spectrum,
     /// Density per unit length of a collision there, the mean over the lanes.
@@ -233,7 +235,7 @@ struct Reached {
 impl CollisionOnRay {
     /// The weight of light found at the collision.
     pub fn weight(&self, scene: &Scene, light: LightIndex, by: LightSelection<'_>) -> f32 {
-        let CollisionOnRay { ray, t, varying_pdf } = self;
+        let CollisionOnRay { ray, t, tracked_pdf } = self;
         let sampler = &scene.lighting.sampler;
         let of_distance = sampler.seen_from(light, &ray.segment).map_or(0.0, |span| span.pdf(*t));
         if of_distance == 0.0 {
@@ -244,8 +246,8 @@ impl CollisionOnRay {
             return 1.0;
         }
         let pdf = match ray.extinction {
-            Extinction::Even(sigma_t) => ray.pdf_of_even_collision(sigma_t, *t),
-            Extinction::Varying { .. } => *varying_pdf,
+            Extinction::Homogeneous(sigma_t) => ray.pdf_in_homogeneous(sigma_t, *t),
+            Extinction::Heterogeneous { .. } => *tracked_pdf,
         };
         power_heuristic(pdf * sampler.pmf(light, &ray.receiver(*t), by), drawn)
     }

@@ -133,8 +133,9 @@ impl<'a> Overlap<'a> {
         let densities: DensitiesByLanes = match self.is_homogeneous {
             true => [Spectrum::WHITE; MOST_MEDIA],
             false => array::from_fn(|k| {
-                let of = |part: &Part<'_>| part.stretch.density_by_lanes(p, most[k], &self.wavelengths);
-                self.parts[k].as_ref().map_or(Spectrum::BLACK, of)
+                let part = self.parts[k].as_ref();
+                let found = part.map(|part| part.stretch.spectral_density(p, &self.wavelengths));
+                found.map_or(Spectrum::BLACK, |density| density.map(|density| density.min(most[k])))
             }),
         };
         let rest = array::from_fn(|k| Spectrum::grey(most[k]) - densities[k]);
