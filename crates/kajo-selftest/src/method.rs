@@ -53,7 +53,7 @@ pub const LIGHT: Method = method("light", "integrator light");
 pub const SPPM: Method = method("sppm", "integrator sppm  photons 20000");
 
 /// The same by wavelength.
-pub const SPPM_SPECTRAL: Method = method("sppm, spectral", "integrator sppm  photons 20000  spectral on");
+pub const SPPM_SPECTRAL: Method = method("sppm, spectral", "integrator sppm  photons 1000  spectral on");
 
 /// Paths from the camera and from lights, joined and merged.
 pub const VCM: Method = method("vcm", "integrator vcm  photons 5000");
@@ -63,7 +63,7 @@ pub const VCM_ONE_RADIUS: Method =
     method("vcm, one radius", "integrator vcm  photons 2000  mergeRadius 0.03  mergeAlpha 1");
 
 /// Paths from the camera and from lights, joined and merged, by wavelength.
-pub const VCM_SPECTRAL: Method = method("vcm, spectral", "integrator vcm  photons 5000  spectral on");
+pub const VCM_SPECTRAL: Method = method("vcm, spectral", "integrator vcm  photons 500  spectral on");
 
 /// Irradiance of few points, interpolated.
 pub const IRRADIANCE: Method = method("irradiance", "integrator irradiance  rays 1024");
@@ -85,7 +85,13 @@ pub const PHOTON_DIRECT: Method =
     method("photon, direct", "integrator photon  photons 100000  photonMap direct");
 
 /// What keeps photons, and makes as many of them as it takes samples.
-pub const PHOTONS: &[Method] = &[SPPM, SPPM_SPECTRAL, VCM, VCM_SPECTRAL];
+pub const PHOTONS: &[Method] = &[SPPM, VCM];
+
+/// The same by wavelength: all paths of a sample of the picture have the same wavelengths, so many small samples are taken.
+pub const PHOTONS_SPECTRAL: &[Method] = &[SPPM_SPECTRAL, VCM_SPECTRAL];
+
+/// Columns and rows of pictures that are to have such samples.
+pub const SIZE_BY_WAVELENGTH: [u32; 2] = [12, 12];
 
 /// Ambient occlusion.
 pub const OCCLUSION: Method = method("occlusion", "integrator occlusion");

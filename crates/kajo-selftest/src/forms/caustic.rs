@@ -20,41 +20,76 @@ use kajo_math::DVec3;
 
 use super::quadrature::simpson;
 use super::{Form, Parameters, text};
-use crate::method::{BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, Method, PATH_MANIFOLD, PHOTONS};
+use crate::method::{
+    BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, MLT, Method, PATH_MANIFOLD, PHOTON_DIRECT, PHOTONS,
+    PHOTONS_SPECTRAL, SIZE_BY_WAVELENGTH,
+};
 
 /// What finds light that no ray meets by chance.
 const METHODS: &[Method] = &[BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT];
 
-/// What looks for the directions in which light comes through the ball: near the focus it does not find all of them, so
-/// that it is asked of the far screen alone.
+/// What looks for the directions in which light comes through the ball.
 const WALKS: &[Method] = &[PATH_MANIFOLD];
 
-/// The noise of these, which take thirty times as long for a sample.
+/// Markov chains over paths from both ends.
+const CHAINS: &[Method] = &[MLT];
+
+/// One map of photons that is seen itself.
+const ONE_MAP: &[Method] = &[PHOTON_DIRECT];
+
+/// The noise of a map, of which a batch has one, however many samples it takes.
+const NOISE_OF_ONE_MAP: f64 = 2.5e-3;
+
+/// The noise of walks, which take thirty times as long for a sample.
 const NOISE_OF_WALKS: f64 = 2.5e-3;
 
 /// How much the disks of photons may blur over the border of the picture, as a share of its light.
 const BLUR: f64 = 0.01;
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
-    let far = (draw.between(1.8, 2.2), 0.4);
-    let near = (draw.between(1.2, 1.3), 0.15);
-    let far = screen(draw, far, 60.0);
-    let near = screen(draw, near, 75.0);
-    let by_photons = Form { name: format!("{}, by photons", far.name), methods: PHOTONS, ..far.clone() };
-    let by_walks = Form { name: format!("{}, by walks", far.name), methods: WALKS, ..far.clone() };
-    let by_walks = by_walks.least_noise(NOISE_OF_WALKS);
-    // All pixels share the photons of a sample.
-    vec![far, near, by_walks, by_photons.rounding(BLUR).size([64, 64])]
+    let far = Screen { distance: draw.between(1.8, 2.2), half: 0.4, aside: 0.0, aslant: 60.0 };
+    let near = Screen { distance: draw.between(1.2, 1.3), half: 0.15, aside: 0.0, aslant: 75.0 };
+    // On the axis the light has no bound, and its square no mean.
+    let beside = Screen { aside: draw.between(0.22, 0.28), ..near };
+    let [far, near, beside] = [far, near, beside].map(|screen| form(draw, screen));
+    let by = |what: &str, methods: &'static [Method], screen: &Form| Form {
+        name: format!("{}, by {what}", screen.name),
+        methods,
+        ..screen.clone()
+    };
+    vec![
+        by("walks", WALKS, &far).least_noise(NOISE_OF_WALKS),
+        by("walks", WALKS, &beside).least_noise(NOISE_OF_WALKS),
+        by("chains", CHAINS, &far).size([32, 32]),
+        by("chains", CHAINS, &near).size([32, 32]),
+        // All pixels share the photons of a sample.
+        by("photons", PHOTONS, &far).rounding(BLUR).size([64, 64]),
+        by("photons", PHOTONS_SPECTRAL, &far).rounding(BLUR).size(SIZE_BY_WAVELENGTH),
+        by("one map", ONE_MAP, &far).rounding(BLUR).least_noise(NOISE_OF_ONE_MAP).size([64, 64]),
+        far,
+        near,
+    ]
 }
 
-/// * `distance`: of the screen from the middle of the ball; `half`: half the side of the square that is seen
-/// * `aslant`: degrees between the camera's direction and the axis, so that it looks past the ball
-fn screen(draw: &mut Parameters, (distance, half): (f64, f64), aslant: f64) -> Form {
+/// A screen behind the ball, and what is seen of it.
+#[derive(Clone, Copy)]
+struct Screen {
+    /// From the middle of the ball.
+    distance: f64,
+    /// Half the side of the square that is seen, across the camera's direction.
+    half: f64,
+    /// Of its middle from the axis.
+    aside: f64,
+    /// Degrees between the camera's direction and the axis, so that it looks past the ball.
+    aslant: f64,
+}
+
+fn form(draw: &mut Parameters, Screen { distance, half, aside, aslant }: Screen) -> Form {
     let (n, rho, e) = (draw.between(1.4, 1.6), draw.between(0.3, 0.9), draw.between(0.5, 4.0));
     let (sin, cos) = aslant.to_radians().sin_cos();
     // Parallel rays aslant see a rectangle that is as wide as the picture and higher.
     let half_height = half / cos;
-    let middle = DVec3::new(0.0, 0.0, distance);
+    let middle = DVec3::new(aside, 0.0, distance);
     let view = DVec3::new(0.0, sin, cos);
     let scene = format!(
         "OrthographicCamera {{ center {}  direction {}  up 0 {cos} {}  size {} }}\nBackground {{ color 0 0 0 }}\n\
@@ -66,13 +101,24 @@ fn screen(draw: &mut Parameters, (distance, half): (f64, f64), aslant: f64) -> F
         text(view),
         -sin,
         2.0 * half,
-        text(middle)
+        text(DVec3::new(0.0, 0.0, distance))
     );
-    let covered = |x: f64| 4.0 * ((half_height / x).min(1.0).asin() - (half / x).min(1.0).acos()).max(0.0);
+    let covered = |x: f64| covered(x, [aside - half, aside + half], half_height);
     let flux = simpson(0.0, 1.0, 200_000, |h| share(h, n) * covered(landing(h, n, distance)) * h);
     let expected = rho / PI * e * flux / (4.0 * half * half_height);
-    let name = format!("S13 caustic of a ball of index {n} on a screen at {distance}");
+    let from_axis = if aside == 0.0 { String::new() } else { format!(", {aside} from the axis") };
+    let name = format!("S13 caustic of a ball of index {n} on a screen at {distance}{from_axis}");
     Form::new(name, scene, expected, METHODS).bounces(2).size([4, 4])
+}
+
+/// The angle that the rectangle `from..to` by `-half_height..half_height` covers of the circle of radius `x` about the origin.
+fn covered(x: f64, [from, to]: [f64; 2], half_height: f64) -> f64 {
+    // Of the upper half of the circle.
+    let angle = |at: f64| (at / x).clamp(-1.0, 1.0).acos();
+    let (begin, end) = (angle(to), angle(from));
+    let height = (half_height / x).min(1.0).asin();
+    let common = |low: f64, high: f64| (end.min(high) - begin.max(low)).max(0.0);
+    2.0 * (common(0.0, height) + common(PI - height, PI))
 }
 
 /// Share of unpolarised light that passes both surfaces.

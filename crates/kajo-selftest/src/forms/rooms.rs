@@ -24,7 +24,7 @@ use kajo_math::DVec3;
 use super::{Form, Parameters, STARTS, spot_meter, text};
 use crate::method::{
     BIDIRECTIONAL, BOUNCES, CACHES, DIRECT, GLOBAL, LIGHT, MLT, MMLT, Method, PATH, PATH_LIGHTS,
-    PATH_SPECTRAL, PHOTONS,
+    PATH_SPECTRAL, PHOTONS, PHOTONS_SPECTRAL, SIZE_BY_WAVELENGTH,
 };
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
@@ -48,12 +48,14 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     // All pixels share the photons of a sample, and the samples that chains begin at.
     for bounces in [None, Some(1)] {
         let room = emissive(draw, &ROOMS[0], bounces);
-        forms.push(Form {
+        let by_photons = Form {
             name: format!("{}, by photons", room.name),
             scene: room.scene.replace("angle 0.001", "angle 70"),
             methods: PHOTONS,
             ..room.rounding(BLUR).size([64, 64])
-        });
+        };
+        forms.push(by_photons.clone());
+        forms.push(Form { methods: PHOTONS_SPECTRAL, size: SIZE_BY_WAVELENGTH, ..by_photons });
     }
     // All pixels share the noise of the records.
     let cached = |form: Form| Form {

@@ -254,6 +254,47 @@ fn a_slab_weakens_the_light_of_a_direction() {
     }
 }
 
+/// Irradiance under a ball of radius 1 and index `eta` in parallel light of irradiance 1, at the distance `x` from its axis, on a screen
+/// `screen` below its middle.
+///
+/// A ray at the distance `h` from the axis comes to `x(h)`, and light of all of those that come to `x` adds up: `E = sum of T^2 h / (x |dx/dh|)`.
+fn under_ball(x: f64, screen: f64, eta: f64) -> f64 {
+    const STEPS: u32 = 100_000;
+    let lands = |h: f64| {
+        let (i, r) = (h.asin(), (h / eta).asin());
+        let leaves = 2.0 * r - i;
+        leaves.sin() - (2.0 * (i - r)).tan() * (screen - leaves.cos())
+    };
+    let light = |step: u32| {
+        let [from, to] = [step, step + 1].map(|k| f64::from(k) / f64::from(STEPS));
+        let [a, b] = [from, to].map(lands);
+        let is_between = |x: f64| (a - x) * (b - x) < 0.0;
+        let (h, slope) = (0.5 * (from + to), (b - a) * f64::from(STEPS));
+        let comes = is_between(x) || is_between(-x);
+        if comes { fresnel((1.0 - h * h).sqrt(), eta).powi(2) * h / (x * slope.abs()) } else { 0.0 }
+    };
+    (0..STEPS - 1).map(light).sum()
+}
+
+/// Up to three chains lead to a direction before the focus of a ball, of which walks from fixed directions miss some.
+#[test]
+fn no_light_of_a_direction_is_missed() {
+    for x in [0.01f32, 0.015, 0.02, 0.15, 0.235, 0.242, 0.3] {
+        let view = camera([x, 0.1, 0.05], [x, 0.0, 0.0]);
+        let scene = scene(&format!(
+            "{view} Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance 1 }} }}
+             Materials {{ Matte floor {{ color 0.5 0.5 0.5 }}  Glass glass {{ indexOfRefraction 1.5 }} }}
+             Group {{ MaterialIndex floor Disk {{ center 0 0 0 normal 0 1 0 radius 0.9 }}
+                      MaterialIndex glass Sphere {{ center 0 1.25 0 radius 1 }} }}"
+        ));
+        let found = mean(&scene, WALKS, 400);
+        let expected = 0.5 / PI * under_ball(x.into(), 1.25, 1.5);
+        assert!(found.standard_error < 0.02 * expected, "{x}: {found:?} {expected}");
+        let off = (found.mean - expected).abs();
+        assert!(off < 4.0 * found.standard_error + 3e-3 * expected, "{x}: {found:?} {expected}");
+    }
+}
+
 /// Chains are no longer than paths may be, and scenes in which nothing casts light have the very samples of paths.
 #[test]
 fn walks_keep_to_the_limits_of_paths() {

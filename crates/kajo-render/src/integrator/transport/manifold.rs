@@ -29,6 +29,9 @@
 //!
 //! Walks begin at one object, a caster, in a few directions that depend on its box and both ends. The chain of such a direction is as long
 //! as it comes nearest to `y`, and those that Newton's method would turn least are walked on from. So several chains may be found, each kept once.
+//!
+//! Those that are not found so can be looked for from a random direction [Zeltner, Georgiev and Jakob 2020, 4.2]. A walk from there ends
+//! in a chain with some probability `p`, which nobody knows; but walks made anew until one ends in the same chain are `1/p` in the mean.
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::ObjectId;
@@ -39,6 +42,7 @@ use kajo_core::light::LightPoint;
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::shading::Shading;
+use kajo_math::rng::Stream;
 use kajo_math::{Frame, Ray, Vec2, Vec3};
 
 use super::{Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, advance, follow, shade};
@@ -94,6 +98,9 @@ const FARTHEST_STEP: f32 = 0.6;
 
 /// Largest number of solutions per caster.
 pub const MOST_CHAINS: usize = 3;
+
+/// Walks from random directions after which a chain is not looked for again.
+const MOST_TRIALS: u32 = 256;
 
 /// The specular events of a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -266,8 +273,7 @@ impl<'a, 's> ManifoldWalk<'a, 's> {
         caster: &Caster,
     ) -> [Option<SpecularChain>; MOST_CHAINS] {
         let mut found = [None; MOST_CHAINS];
-        let far = if end.is_infinite() { f32::INFINITY } else { (end.p() - self.start.point.p).length() };
-        let goal = Goal { end: *end, straight: wi, distance: far };
+        let goal = self.goal(end, wi);
         let (seeds, reach) = seeds(caster, self.start.point.p, wi);
         let mut begun = seeds.map(|d| self.trace_any(d, caster, &goal));
         for walked in 0..MOST_WALKS {
@@ -288,9 +294,7 @@ impl<'a, 's> ManifoldWalk<'a, 's> {
             if found.iter().flatten().any(is_known) {
                 continue;
             }
-            let chain = self.newton(traced, via, &goal).filter(|chain| chain.first == caster.object);
-            let Some(chain) = chain else { continue };
-            let chain = SpecularChain { tolerance: SAME.min(SAME_OF_CASTER * reach), ..chain };
+            let Some(chain) = self.walk(traced, via, caster, reach, &goal) else { continue };
             let is_new =
                 |slot: &Option<SpecularChain>| slot.is_none_or(|known| !known.is_along(chain.d, chain.via));
             if found.iter().all(is_new)
@@ -300,6 +304,58 @@ impl<'a, 's> ManifoldWalk<'a, 's> {
             }
         }
         found
+    }
+
+    /// A chain to the same point that a walk from a random direction ends in and that is none of the `known`, and an
+    /// unbiased estimate of one over the probability that such a walk does so, but for chains of less than a hundredth.
+    ///
+    /// * `known`: those of [`ManifoldWalk::by_caster`]
+    /// * `random`: taken for nothing else
+    pub fn by_chance(
+        &mut self,
+        end: &LightPoint,
+        wi: Vec3,
+        caster: &Caster,
+        known: &[Option<SpecularChain>],
+        random: &Stream,
+    ) -> Option<(SpecularChain, f32)> {
+        let goal = self.goal(end, wi);
+        let p = self.start.point.p;
+        let (_, reach) = seeds(caster, p, wi);
+        let mut trial = |i: u32| {
+            let u = Vec3::from_array([0, 1, 2].map(|axis| random.uniform(3 * i + axis)));
+            let d = (caster.center + caster.half * (2.0 * u - 1.0) - p).normalize_or_zero();
+            let (traced, via) = self.trace_any(d, caster, &goal)?;
+            self.walk(traced, via, caster, reach, &goal)
+        };
+        let chain = trial(0)?;
+        if known.iter().flatten().any(|known| known.is_along(chain.d, chain.via)) {
+            return None;
+        }
+        let again = |i: &u32| trial(*i).is_some_and(|again| chain.is_along(again.d, again.via));
+        let trials = (1..MOST_TRIALS).find(again).unwrap_or(MOST_TRIALS);
+        Some((chain, trials as f32))
+    }
+
+    /// * `wi`: unit direction of the straight line to `end`
+    fn goal(&self, end: &LightPoint, wi: Vec3) -> Goal {
+        let far = if end.is_infinite() { f32::INFINITY } else { (end.p() - self.start.point.p).length() };
+        Goal { end: *end, straight: wi, distance: far }
+    }
+
+    /// The chain by way of a caster that a walk ends in.
+    ///
+    /// * `reach`: of [`seeds`]
+    fn walk(
+        &mut self,
+        from: Traced,
+        via: Via,
+        caster: &Caster,
+        reach: f32,
+        goal: &Goal,
+    ) -> Option<SpecularChain> {
+        let chain = self.newton(from, via, goal).filter(|chain| chain.first == caster.object)?;
+        Some(SpecularChain { tolerance: SAME.min(SAME_OF_CASTER * reach), ..chain })
     }
 
     /// Newton's method.

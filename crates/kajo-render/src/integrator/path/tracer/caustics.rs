@@ -21,8 +21,9 @@
 //! q = 0   unless one of them ends in the chain that the path has gone along
 //! ```
 //!
-//! Then it counts in full. So nothing is counted twice or left out, whichever chains walks miss; only lights without extent,
-//! which no path meets, have the light of no other chains than those that are found.
+//! Then it counts in full. So nothing is counted twice or left out, whichever chains walks miss. Lights without extent are met by no path:
+//! there one more walk begins in a random direction, and a chain that it finds and the others do not counts as often as such walks have to
+//! be made to find it again.
 
 use kajo_color::{Spectrum, sensor};
 use kajo_core::ObjectId;
@@ -76,6 +77,9 @@ const ROUNDING: f32 = 2e-5;
 
 /// Lights that would fill more of what a receiver sees than this, in steradians, are met by chance often enough.
 const LARGEST_LIGHT: f32 = 0.02;
+
+/// Tells the random numbers of walks from those of branches.
+const WALKS_BY_CHANCE: u32 = 0x57A1;
 
 /// A point of a light that chains lead to.
 #[derive(Clone, Copy)]
@@ -213,8 +217,17 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let Some((caster, choice)) = caster else { return };
         let drawn = DrawnLight { light: chosen.sampled.light, li, pdf };
         let state = path.state;
-        for found in self.chains_by_caster(&state, &start, &end, &caster).iter().flatten() {
-            self.add_light_of_chain(path, at, &drawn, found, choice);
+        let mut walk = ManifoldWalk::new(self.scene(), &start, &state.wavelengths, state.draws);
+        let chains = walk.by_caster(&end.at, end.wi, &caster);
+        let by_chance = drawn.li.is_delta.then(|| {
+            let random = state.draws.split(WALKS_BY_CHANCE, 0, 1);
+            walk.by_chance(&end.at, end.wi, &caster, &chains, random.stream())
+        });
+        *self.observer.counters() += walk.rays();
+        let certain = chains.iter().flatten().map(|chain| (*chain, 1.0));
+        for (chain, times) in certain.chain(by_chance.flatten()) {
+            let Some(found) = self.clear(&state, &start, &end, chain) else { continue };
+            self.add_light_of_chain(path, at, &drawn, &found, choice / times);
         }
     }
 
@@ -247,7 +260,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
 
     /// Adds light that comes along a chain.
     ///
-    /// * `choice`: the probability with which its caster was chosen
+    /// * `choice`: the probability with which it was found
     fn add_light_of_chain(
         &mut self,
         path: &CameraPath<'s>,
