@@ -5,7 +5,7 @@
     scenes/bench/fog.py DIR [--lights spot|spots|points] [--kajo FILE]... [--size N] [--samples N] [--runs N] [--bounces N] [--without-cycles] [--without-mitsuba]
 
 A closed room of one matt colour is filled with a homogeneous medium. One thread each, the programs take turns. The error is that of one picture, from
-pictures that differ in the seed only, of all pixels and of all but the worst one in a hundred, which for points of light are those that show them; seconds are of processor time, of the render call of Mitsuba and Cycles, and of kajo's whole run less
+pictures that differ in the seed only, of all pixels and of all but the worst one in a hundred, which for points of light are those that show them; seconds are of processor time, of the render call of Mitsuba, and of all of kajo's and Cycles' work less
 that of one sample. "error x s" is what an error costs, however many samples are taken. Means are printed because errors of different pictures say
 nothing: the lights of each program are scaled so that its picture has the mean of kajo's first one."""
 
@@ -85,84 +85,35 @@ class Mitsuba:
         return picture, time.process_time() - start
 
 
-class Cycles:
+class Cycles(peers.Cycles):
     def __init__(self, options):
-        import bpy
-        import mathutils
-
-        self.bpy, self.options, self.name = bpy, options, f"Cycles {bpy.app.version_string}"
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        super().__init__(options.folder, options.size, options.samples, options.bounces)
         low, high = (np.array(v, float) for v in ROOM)
-        bpy.ops.mesh.primitive_cube_add(size=1, location=(low + high) / 2, scale=high - low)
-        bpy.context.object.data.materials.append(self.material())
+        self.bpy.ops.mesh.primitive_cube_add(size=1, location=(low + high) / 2, scale=high - low)
+        self.bpy.context.object.data.materials.append(self.wall())
         for p, d, angle, intensity in LIGHTS[options.lights]:
-            light = bpy.data.lights.new("light", "SPOT" if angle else "POINT")
-            light.energy, light.shadow_soft_size = 4 * np.pi * intensity, 0
+            light = self.light("SPOT" if angle else "POINT", 4 * np.pi * intensity, p, d)
+            light.shadow_soft_size = 0
             if angle:
                 light.spot_size, light.spot_blend = np.radians(angle), 0
-            placed = bpy.data.objects.new("light", light)
-            if angle:
-                placed.rotation_mode, placed.rotation_quaternion = "QUATERNION", mathutils.Vector(d).to_track_quat("-Z", "Y")
-            placed.location = p
-            bpy.context.collection.objects.link(placed)
-        world = bpy.data.worlds.new("world")
-        world.use_nodes = True
-        world.node_tree.nodes["Background"].inputs[0].default_value = (0, 0, 0, 1)
-        bpy.context.scene.world = world
-        camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-        camera.data.sensor_fit, camera.data.angle = "VERTICAL", np.radians(VIEW_ANGLE)
-        z = (mathutils.Vector(EYE) - mathutils.Vector(TARGET)).normalized()
-        x = mathutils.Vector((0, 1, 0)).cross(z).normalized()
-        camera.matrix_world = mathutils.Matrix((x, z.cross(x), z)).transposed().to_4x4()
-        camera.matrix_world.translation = EYE
-        bpy.context.collection.objects.link(camera)
-        bpy.context.scene.camera = camera
-        self.settings()
-        self.run(1000)
+        self.sky(0)
+        self.camera(EYE, TARGET, VIEW_ANGLE)
 
-    def material(self):
+    def wall(self):
         """Matt walls of a box that is filled with the medium."""
-        material = self.bpy.data.materials.new("wall")
-        material.use_nodes = True
-        tree = material.node_tree
-        tree.nodes.clear()
+        material, node = self.material()
         kinds = ("OutputMaterial", "BsdfDiffuse", "VolumeScatter", "VolumeAbsorption", "AddShader")
-        out, diffuse, scatter, absorb, add = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+        out, diffuse, scatter, absorb, add = map(node, kinds)
         diffuse.inputs["Color"].default_value = (ALBEDO, ALBEDO, ALBEDO, 1)
         scatter.inputs["Color"].default_value, absorb.inputs["Color"].default_value = (1, 1, 1, 1), (0, 0, 0, 1)
         scatter.inputs["Density"].default_value, absorb.inputs["Density"].default_value = SCATTERING, ABSORPTION
         scatter.inputs["Anisotropy"].default_value = G
-        tree.links.new(scatter.outputs[0], add.inputs[0])
-        tree.links.new(absorb.outputs[0], add.inputs[1])
-        tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
-        tree.links.new(add.outputs[0], out.inputs["Volume"])
+        links = material.node_tree.links
+        links.new(scatter.outputs[0], add.inputs[0])
+        links.new(absorb.outputs[0], add.inputs[1])
+        links.new(diffuse.outputs[0], out.inputs["Surface"])
+        links.new(add.outputs[0], out.inputs["Volume"])
         return material
-
-    def settings(self):
-        scene = self.bpy.context.scene
-        scene.render.engine = "CYCLES"
-        cycles = scene.cycles
-        cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, False
-        cycles.max_bounces = cycles.diffuse_bounces = cycles.volume_bounces = self.options.bounces
-        cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
-        cycles.pixel_filter_type, cycles.samples = "BOX", self.options.samples
-        scene.render.resolution_x = scene.render.resolution_y = self.options.size
-        scene.render.resolution_percentage, scene.render.threads_mode, scene.render.threads = 100, "FIXED", 1
-        scene.view_settings.view_transform = "Raw"
-        scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-        scene.render.filepath = str(self.options.folder / "cycles.exr")
-
-    def run(self, seed):
-        scene = self.bpy.context.scene
-        scene.cycles.seed = seed
-        start = time.process_time()
-        self.bpy.ops.render.render(write_still=True)
-        seconds = time.process_time() - start
-        image = self.bpy.data.images.load(scene.render.filepath)
-        pixels = np.empty(self.options.size**2 * 4, np.float32)
-        image.pixels.foreach_get(pixels)
-        self.bpy.data.images.remove(image)
-        return pixels.reshape(self.options.size, self.options.size, 4)[::-1, :, :3].astype(float), seconds
 
 
 def main():
@@ -179,16 +130,7 @@ def main():
     programs = [Kajo(options, program) for program in options.kajo or ["kajo"]]
     programs += [] if options.without_mitsuba else [Mitsuba(options)]
     programs += [] if options.without_cycles else [Cycles(options)]
-    runs = [[program.run(seed) for program in programs] for seed in range(1, options.runs + 1)]
-    print(peers.HEADER)
-    wanted = None
-    for program, results in zip(programs, zip(*runs)):
-        stack = np.stack([picture for picture, _ in results])
-        mean = stack.mean()
-        wanted = wanted or mean
-        stack *= wanted / mean
-        seconds = float(np.median([seconds for _, seconds in results]))
-        print(peers.row(program.name, stack.var(axis=0, ddof=1), seconds, mean), flush=True)
+    peers.rows_by_variance(programs, options.runs)
 
 
 if __name__ == "__main__":

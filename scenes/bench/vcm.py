@@ -11,7 +11,6 @@ because LuxCore's bidirectional engines show the room brighter than its own path
 
 import argparse
 import pathlib
-import time
 
 import numpy as np
 import peers
@@ -62,23 +61,11 @@ class Kajo(peers.Kajo):
         return super().run(self.samples, seed)
 
 
-class LuxCore:
+class LuxCore(peers.LuxCore):
     def __init__(self, options):
-        import pyluxcore
-
-        self.core, self.options = pyluxcore, options
-        pyluxcore.Init()
-        pyluxcore.SetLogHandler(lambda message: None)
-        self.name = f"LuxCore {pyluxcore.Version()} BIDIRVM"
-        self.scene, self.meshes = pyluxcore.Scene(), 0
-        self.parse({
-            "scene.camera.type": "perspective",
-            "scene.camera.lookat.orig": list(EYE),
-            "scene.camera.lookat.target": [0, 0, 0],
-            "scene.camera.up": [0, 1, 0],
-            "scene.camera.fieldofview": VIEW_ANGLE,
-            "scene.camera.autofocus.enable": 0,
-        })  # fmt: skip
+        self.samples = options.samples
+        depth = {"path.maxdepth": options.bounces + 1, "light.maxdepth": options.bounces + 1}
+        super().__init__(options.size, "BIDIRVMCPU", EYE, (0, 0, 0), VIEW_ANGLE, depth)
         for i, (corner, a, b, color) in enumerate(WALLS):
             self.parse({f"scene.materials.wall{i}.type": "matte", f"scene.materials.wall{i}.kd": list(color)})
             self.quad(corner, a, b, f"wall{i}")
@@ -92,26 +79,6 @@ class LuxCore:
             self.parse({"scene.materials.emitter.type": "matte", "scene.materials.emitter.kd": [0, 0, 0], "scene.materials.emitter.emission": [RADIANCE] * 3})
             self.quad(*light_edges(), "emitter")
 
-    def properties(self, values):
-        properties = self.core.Properties()
-        for key, value in values.items():
-            properties.Set(self.core.Property(key, value if isinstance(value, list) else [value]))
-        return properties
-
-    def parse(self, values):
-        self.scene.Parse(self.properties(values))
-
-    def mesh(self, points, triangles, normals, material):
-        self.meshes += 1
-        name = f"mesh{self.meshes}"
-        tuples = [None if values is None else [tuple(float(v) for v in row) for row in values] for values in (points, normals)]
-        self.scene.DefineMesh(name, tuples[0], [tuple(int(v) for v in row) for row in triangles], tuples[1], None, None, None)
-        self.parse({f"scene.objects.{name}.shape": name, f"scene.objects.{name}.material": material})
-
-    def quad(self, corner, a, b, material):
-        corner, a, b = map(np.asarray, (corner, a, b))
-        self.mesh([corner, corner + a, corner + a + b, corner + b], [(0, 1, 2), (0, 2, 3)], None, material)
-
     def ball(self, center, radius, material):
         """A sphere of triangles with smooth normals: LuxCore has none of its own."""
         around, down = 256, 128
@@ -122,41 +89,8 @@ class LuxCore:
         triangles = np.concatenate([np.stack([p, r, q], -1)[:-around], np.stack([p, s, r], -1)[around:]])
         self.mesh(np.asarray(center) + radius * normals, triangles, normals, material)
 
-    def render(self, samples, seed):
-        size = self.options.size
-        config = self.core.RenderConfig(
-            self.properties({
-                "renderengine.type": "BIDIRVMCPU",
-                "renderengine.seed": seed + 1,
-                "native.threads.count": 1,
-                "sampler.type": "RANDOM",
-                "film.width": size,
-                "film.height": size,
-                "film.filter.type": "BOX",
-                "film.filter.width": 0.5,
-                "film.imagepipelines.0.0.type": "TONEMAP_LINEAR",
-                "film.imagepipelines.0.0.scale": 1.0,
-                "path.maxdepth": self.options.bounces + 1,
-                "light.maxdepth": self.options.bounces + 1,
-                "film.noiseestimation.warmup": 1 << 30,
-                "batch.haltspp": [samples, 0],
-            }),
-            self.scene,
-        )  # fmt: skip
-        session = self.core.RenderSession(config)
-        before = time.process_time()
-        session.Start()
-        while not session.HasDone():
-            time.sleep(0.005)
-            session.UpdateStats()
-        seconds = time.process_time() - before
-        session.Stop()
-        buffer = np.empty(size * size * 3, np.float32)
-        session.GetFilm().GetOutputFloat(self.core.FilmOutputType.RGB, buffer, 0)
-        return buffer.reshape(size, size, 3)[::-1].astype(float), seconds
-
     def run(self, seed):
-        return self.render(self.options.samples, seed)
+        return self.render(self.samples, seed)
 
 
 def main():
