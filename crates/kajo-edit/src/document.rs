@@ -234,6 +234,9 @@ impl Document {
         let change = Change::of(files, edits)?;
         let mut texts = files.clone();
         change.apply(&mut texts)?;
+        if matches!(edit, Edit::MoveInto { .. }) && !Tree::would_be_whole(&self.disk, &self.options, &texts) {
+            return Err(EditRefused::new("values in it go by names that are known only where it stands"));
+        }
         let changed = !change.is_empty();
         if texts.iter().zip(&self.files).all(|(new, now)| new.text == now.text) {
             // As in a drag that stands still.

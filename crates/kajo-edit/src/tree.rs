@@ -40,6 +40,17 @@ pub(super) struct Before<'a> {
     pub remembered: &'a [(FileId, usize, NodeId)],
 }
 
+/// What the parser makes of the scene that `disk` stands for, with `files` in the place of what is on disk.
+fn parsed(disk: &FsAssets, options: &LoadOptions, clock: Option<Clock>, files: &[SceneFile]) -> Parsed {
+    let overlay = Overlay { disk, files };
+    let parse =
+        |clock: &Clock, limits: &Limits| SceneDesc::load_at(disk.scene_name(), &overlay, limits, clock);
+    match clock {
+        Some(clock) => parse(&clock, &options.limits.clone()),
+        None => parse_scene(options, || options.limits.clone(), parse).0,
+    }
+}
+
 impl Tree {
     /// Parses the scene that `disk` stands for, with `files` in the place of what is on disk. Files that are included
     /// for the first time are added to them.
@@ -53,14 +64,7 @@ impl Tree {
         before: Before<'_>,
         identities: &mut Identities,
     ) -> Tree {
-        let overlay = Overlay { disk, files };
-        let parse =
-            |clock: &Clock, limits: &Limits| SceneDesc::load_at(disk.scene_name(), &overlay, limits, clock);
-        let parsed = match clock {
-            Some(clock) => parse(&clock, &options.limits.clone()),
-            None => parse_scene(options, || options.limits.clone(), parse).0,
-        };
-        let Parsed { desc, diagnostics, whole } = parsed;
+        let Parsed { desc, diagnostics, whole } = parsed(disk, options, clock, files);
         let mut by_source = HashMap::new();
         for (source, text) in desc.sources().iter() {
             let known = files.iter().position(|file| file.name == text.path());
@@ -76,6 +80,11 @@ impl Tree {
         let outline = identities.outline(&desc, file_of, before.outline, before.change, before.remembered);
         let texts = files.iter().map(|file| file.text.clone()).collect();
         Tree { desc, diagnostics, whole, outline, dialect: options.dialect, files: by_source, texts }
+    }
+
+    /// Whether files would make a tree that holds all of their text.
+    pub fn would_be_whole(disk: &FsAssets, options: &LoadOptions, files: &[SceneFile]) -> bool {
+        parsed(disk, options, None, files).whole
     }
 
     /// The moments for which a text that is at some of its own is to be parsed to be at those that are asked for; `None` where

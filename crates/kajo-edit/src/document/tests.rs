@@ -399,6 +399,23 @@ fn the_material_of_an_operation_is_that_of_all_in_it() {
 }
 
 #[test]
+fn what_goes_by_a_name_stays_where_that_is_known() {
+    let text = SCENE.replace(
+        "numObjects 3",
+        "MaterialIndex red  repeat k 2 { let x = 2 * k  Cone { base x 0 0  top (x + 0) 1 0  radius 1 }  Disk { center 0 0 5  normal 0 0 1  radius 1 } }\n  Group { }",
+    );
+    let mut d = good(&text);
+    let [cone, disk] = ["Cone", "Disk"].map(|keyword| find(&d, keyword));
+    let mut inner =
+        d.tree().outline.nodes().iter().filter(|node| node.kind == Kind::Group).map(|node| node.id);
+    let group = inner.next_back().unwrap();
+    let refused = refusal(&mut d, &Edit::MoveInto { node: cone, into: group });
+    assert!(refused.contains("names"), "{refused}");
+    d.apply(&Edit::MoveInto { node: disk, into: group }).unwrap();
+    assert!(d.tree().whole);
+}
+
+#[test]
 fn definitions_are_kept_while_they_are_used() {
     let text = SCENE.replace("numObjects 3", "numObjects 4\n  Define pin { Cone { base 0 0 0  top 0 1 0  radius 1 } }\n  MaterialIndex 1  Instance pin");
     let mut d = good(&text);
