@@ -38,8 +38,8 @@ impl Estimate {
         if standard_error.is_nan() || standard_error > noise * mu.abs() {
             return Err(format!("{mean} ± {standard_error} is too noisy to be compared with {mu}"));
         }
-        // Rounding alone may part an estimator without variance from its value.
-        let tolerance = (4.0 * standard_error).max(1e-12 * mu.abs());
+        // Rounding to single precision alone may part an estimator without variance from its value.
+        let tolerance = (4.0 * standard_error).max(1e-8 * mu.abs());
         if (mean - mu).abs() > tolerance {
             return Err(format!("{mean} ± {standard_error} is not {mu}"));
         }

@@ -23,13 +23,25 @@ impl LightChoice {
 /// How lights are chosen, with what that takes.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum LightSelection<'a> {
-    /// By what they may contribute.
+    /// By what they may contribute, beside scattering that finds their light too.
     #[default]
     Tree,
+    /// By what they may contribute, where nothing else finds their light.
+    TreeAlone,
     /// Each as often as any other.
     Uniform,
-    /// By what they may contribute and how often it arrives.
+    /// By what they may contribute and how often it arrives, beside scattering.
     Learned(&'a LightVisibility),
+}
+
+impl LightSelection<'_> {
+    /// The same where scattering finds no light.
+    pub fn alone(self) -> Self {
+        match self {
+            LightSelection::Tree => LightSelection::TreeAlone,
+            other => other,
+        }
+    }
 }
 
 /// Without a table what is to be learned is taken for visible.

@@ -161,6 +161,11 @@ pub trait Emitter {
         0.0
     }
 
+    /// Whether its light is the same from all directions.
+    fn is_even(&self) -> bool {
+        false
+    }
+
     /// The world-space point where all its light comes from, if there is one.
     fn apex(&self) -> Option<Vec3> {
         None
@@ -274,6 +279,8 @@ family! {
         fn bounds() -> Option<LightBounds>;
         /// See [`Emitter::irradiance`].
         fn irradiance() -> f32;
+        /// See [`Emitter::is_even`].
+        fn is_even() -> bool;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
         /// See [`Emitter::is_surface`].

@@ -3,7 +3,7 @@
 use kajo_color::Wavelengths;
 use kajo_math::Vec3;
 
-use super::infinite::InfiniteLights;
+use super::infinite::{ALL, InfiniteLights};
 use super::segment::{AngularSpan, RaySegment};
 use super::tree::FirstStep;
 use super::visibility::{LightPart, Mixture, RegionVisibility};
@@ -69,7 +69,8 @@ impl LightSampler {
         let is_infinite = |light: &LightIndex| bounds[light.index()].is_none();
         let irradiances =
             all().filter(is_infinite).map(|light| (light, lights.irradiance(list[light.index()])));
-        let infinite = InfiniteLights::new(irradiances, background);
+        let is_even = background.is_some_and(|light| lights.is_even(list[light.index()]));
+        let infinite = InfiniteLights::new(irradiances, background, is_even);
         let choosable = all().filter(is_infinite).chain(all().filter(|&light| tree.has(light))).collect();
         let elsewhere = elsewhere.to_vec();
         LightSampler { list, groups, first_area, at_infinity, tree, infinite, choosable, elsewhere }
@@ -175,18 +176,19 @@ impl LightSampler {
         if let [only] = *self.choosable {
             return Some(SampledLight::new(only, 1.0, u));
         }
-        match by.into() {
-            LightSelection::Tree => {}
+        let arrives = match by.into() {
+            LightSelection::Tree => self.infinite.beside_scattering(),
+            LightSelection::TreeAlone => ALL,
             LightSelection::Uniform => return self.sample_uniform(u),
             LightSelection::Learned(visibility) => return self.sample_learned(to, u, visibility),
-        }
+        };
         let step = self.tree.first_step(to);
-        let share = self.infinite.share_of_tree(&step);
+        let share = self.infinite.share_of_tree(&step, arrives);
         if u < share {
             let chosen = self.tree.sample(to, &step, u / share)?;
             return Some(SampledLight { probability: share * chosen.probability, ..chosen });
         }
-        let chosen = self.infinite.sample((u - share) / (1.0 - share))?;
+        let chosen = self.infinite.sample((u - share) / (1.0 - share), arrives)?;
         Some(SampledLight { probability: (1.0 - share) * chosen.probability, ..chosen })
     }
 
@@ -197,20 +199,21 @@ impl LightSampler {
             return if only == light { 1.0 } else { 0.0 };
         }
         let in_tree = self.tree.has(light);
-        match by.into() {
-            LightSelection::Tree => {}
+        let arrives = match by.into() {
+            LightSelection::Tree => self.infinite.beside_scattering(),
+            LightSelection::TreeAlone => ALL,
             LightSelection::Uniform => {
-                let can_be_chosen = in_tree || self.infinite.pmf(light) > 0.0;
+                let can_be_chosen = in_tree || self.infinite.pmf(light, ALL) > 0.0;
                 return if can_be_chosen { self.pmf_uniform() } else { 0.0 };
             }
             LightSelection::Learned(visibility) => return self.pmf_learned(light, to, visibility),
-        }
+        };
         let step = self.tree.first_step(to);
-        let share = self.infinite.share_of_tree(&step);
+        let share = self.infinite.share_of_tree(&step, arrives);
         if in_tree {
             share * self.tree.pmf(light, to, &step)
         } else {
-            (1.0 - share) * self.infinite.pmf(light)
+            (1.0 - share) * self.infinite.pmf(light, arrives)
         }
     }
 
@@ -227,7 +230,9 @@ impl LightSampler {
             return Some(SampledLight::new(only, 1.0, u));
         }
         match by.into() {
-            LightSelection::Tree => self.tree.sample(segment, &self.tree.first_step(segment), u),
+            LightSelection::Tree | LightSelection::TreeAlone => {
+                self.tree.sample(segment, &self.tree.first_step(segment), u)
+            }
             LightSelection::Uniform => self.sample_uniform(u),
             LightSelection::Learned(visibility) => {
                 let known = visibility.region(segment.middle());
@@ -248,7 +253,9 @@ impl LightSampler {
             return if only == light { 1.0 } else { 0.0 };
         }
         match by.into() {
-            LightSelection::Tree => self.tree.pmf(light, segment, &self.tree.first_step(segment)),
+            LightSelection::Tree | LightSelection::TreeAlone => {
+                self.tree.pmf(light, segment, &self.tree.first_step(segment))
+            }
             LightSelection::Uniform => self.pmf_uniform(),
             LightSelection::Learned(visibility) => {
                 let known = visibility.region(segment.middle());
@@ -299,7 +306,8 @@ impl LightSampler {
 
     /// The probability that a light has a position, by importance and by what is known to arrive too.
     fn shares_of_tree(&self, step: &FirstStep, known: &RegionVisibility<'_>) -> [f32; 2] {
-        [self.infinite.share_of_tree(step), self.infinite.share_of_tree_if(step, known.parts)]
+        [self.infinite.beside_scattering(), self.infinite.of_arriving(known.parts)]
+            .map(|arrives| self.infinite.share_of_tree(step, arrives))
     }
 
     /// A table of what arrives, of draws by [`LightSampler::sample`].

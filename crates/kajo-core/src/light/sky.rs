@@ -178,6 +178,10 @@ impl Emitter for SkyLight {
         PI * self.background.mean_luminance()
     }
 
+    fn is_even(&self) -> bool {
+        matches!(*self.background, Background::Constant { .. })
+    }
+
     fn sample_le<S: EmissiveSurfaces>(
         &self,
         _time: f32,

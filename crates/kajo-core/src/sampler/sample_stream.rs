@@ -26,6 +26,12 @@ const PATTERN_SALT: u32 = 0xA076_1D64;
 /// Sets the seeds of splits apart from pixels.
 const SPLIT_SALT: u32 = 0x78BD_642F;
 
+/// Sets the seeds of [`SampleStream::apart`] apart from those of splits.
+const APART_SALT: u32 = 0x2545_F491;
+
+/// Dimensions of a part of a path, see [`SampleStream::begin_part`].
+const DIMENSIONS_OF_PART: u32 = 1024;
+
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
@@ -178,6 +184,25 @@ impl<'a> SampleStream<'a> {
         let sample = self.sample.wrapping_mul(n).wrapping_add(i);
         let count = self.count.saturating_mul(n);
         SampleStream::with_count(self.sampler.of_split(n), seed, self.pixel, sample, count)
+    }
+
+    /// Numbers of their own for what takes an unknown count of them, so that those that follow keep their dimensions; `None` where numbers
+    /// are given, of which only the order is known.
+    #[inline]
+    pub fn apart(&self) -> Option<SampleStream<'a>> {
+        self.sampler.beside.is_none().then(|| {
+            let seed = self.seed.part([self.dimension, APART_SALT]);
+            SampleStream::with_count(self.sampler, seed, self.pixel, self.sample, self.count)
+        })
+    }
+
+    /// Goes on at the dimensions of part `part` of a path, so that it has the same in all samples of a pixel, whatever each took before.
+    /// Dimensions that were taken are not taken again; where numbers are given, they stay in their order.
+    #[inline]
+    pub fn begin_part(&mut self, part: u32) {
+        if self.sampler.beside.is_none() {
+            self.dimension = self.dimension.max(part.saturating_mul(DIMENSIONS_OF_PART));
+        }
     }
 
     /// Independent numbers by dimension, for callers that name their dimensions.

@@ -165,7 +165,7 @@ impl Path<'_> {
         observer: &mut O,
         indirect: C,
     ) -> (PixelSample, C) {
-        self.observe_choosing(ctx, raster, observer, indirect, self.settings.light_choice.into())
+        self.observe_choosing(ctx, raster, observer, indirect, self.settings.light_selection())
     }
 
     /// The same with another choice of lights than that of the settings.
@@ -218,7 +218,7 @@ impl Path<'_> {
 
     /// How lights are chosen, with what is known of those that arrive.
     fn lights_by<'v>(&self, visibility: Option<&'v LightVisibility>) -> LightSelection<'v> {
-        visibility.map_or(self.settings.light_choice.into(), LightSelection::Learned)
+        visibility.map_or(self.settings.light_selection(), LightSelection::Learned)
     }
 
     /// Whether paths ever fork.

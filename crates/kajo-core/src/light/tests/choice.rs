@@ -158,12 +158,19 @@ fn regions_have_shares_of_their_own() {
 #[test]
 fn kinds_of_lights_are_chosen_by_the_roots_of_their_irradiances() {
     let to = Receiver { p: Vec3::ZERO, n: Vec3::Y, time: 0.0 };
-    let pmf = |(_, sampler): (Lights, LightSampler), i: usize| {
-        sampler.pmf(LightIndex::new(i).unwrap(), &to, LightChoice::Tree)
+    let pmf_by = |(_, sampler): (Lights, LightSampler), i: usize, by: LightSelection<'_>| {
+        sampler.pmf(LightIndex::new(i).unwrap(), &to, by)
     };
+    let pmf = |made, i| pmf_by(made, i, LightSelection::TreeAlone);
     let expected = |a: f32, b: f32| a.sqrt() / (a.sqrt() + b.sqrt());
     let sky = pmf(lit(&[4.0], SQUARE, &[], Some(0.01)), 1);
     assert!((sky - expected(0.01 * PI as f32, 4.0)).abs() < 1e-4, "{sky}");
+    // A tenth of the root where scattering finds an even sky too.
+    for i in [0, 1] {
+        let beside = pmf_by(lit(&[], SQUARE, &[2.0], Some(0.4)), i, LightSelection::Tree);
+        let sky = expected(0.01 * 0.4 * PI as f32, 0.5);
+        assert!((beside - [1.0 - sky, sky][i]).abs() < 1e-4, "{beside}");
+    }
     let sun = pmf(lit(&[4.0], SQUARE, &[0.5], None), 1);
     assert!((sun - expected(0.125, 4.0)).abs() < 1e-4, "{sun}");
     let strong = pmf(lit(&[], SQUARE, &[9.0, 1.0], None), 0);

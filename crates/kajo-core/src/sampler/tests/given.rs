@@ -63,5 +63,9 @@ fn a_path_beside_has_numbers_of_its_own_and_forks_have_none() {
         assert_eq!(numbers(given.split(2, i, 3), 13), numbers(free.split(2, i, 3), 13));
     }
     assert_eq!(numbers(given, 8), path, "splitting takes nothing");
+    let mut in_order = given;
+    in_order.begin_part(1);
+    assert_eq!(numbers(in_order, 8), path, "given numbers stay in their order");
+    assert!(given.apart().is_none() && given.split(0, 0, 1).apart().is_none() && free.apart().is_some());
     assert_ne!(sampler, Sampler::given(path, Vec::new()));
 }

@@ -183,3 +183,35 @@ fn no_number_of_samples_and_no_place_is_too_much() {
         }
     }
 }
+
+/// What comes after an unknown count of numbers has the same dimensions in all samples, and is spread evenly over them.
+#[test]
+fn numbers_apart_shift_none_of_those_that_follow() {
+    let n = 16;
+    for kind in KINDS {
+        let sampler = Sampler::new(kind, n);
+        let after = |k: u32, count: u32| {
+            let mut draws = draws(&sampler, k);
+            let first = draws.next_1d();
+            let mut own = draws.apart().expect("no numbers are given");
+            let apart: Vec<f32> = (0..count).map(|_| own.next_1d()).collect();
+            let next = draws.next_1d();
+            assert!(apart.iter().all(|&u| u != first && u != next), "{kind:?}");
+            draws.skip(count);
+            draws.begin_part(1);
+            [next, draws.next_1d()]
+        };
+        for i in [0, 1] {
+            let values: Vec<f32> = (0..n).map(|k| after(k, 3 * k)[i]).collect();
+            assert_eq!(values, (0..n).map(|k| after(k, 0)[i]).collect::<Vec<_>>(), "{kind:?}");
+            assert!(kind == Uniform || is_stratified(values.iter().copied(), n), "{kind:?}: {values:?}");
+        }
+        let mut late = draws(&sampler, 3);
+        late.skip(3000);
+        let mut same = late;
+        same.begin_part(2);
+        assert_eq!(same.next_1d(), { late }.next_1d(), "no dimension is taken twice");
+        same.begin_part(4);
+        assert_ne!(same.next_1d(), late.next_1d());
+    }
+}

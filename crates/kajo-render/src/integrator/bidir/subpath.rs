@@ -301,7 +301,7 @@ impl Subpath<'_> {
             merged: vertex.volume.with_media().map_or(0.0, |volume| volume.merged),
         };
         let bounces = state.scatterings;
-        survives_in_medium(state, at, bounces, roulette, 1.0)
+        survives_in_medium(state, bounces, roulette, 1.0)
     }
 
     /// Goes on from a vertex along a direction drawn by its scattering; `false` when the path ends there.

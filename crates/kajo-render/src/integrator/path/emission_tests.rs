@@ -112,7 +112,7 @@ fn a_medium_as_hot_as_its_surroundings_is_not_seen() {
             let scene = filled(&view, medium, BOX);
             for integrator in integrators(&scene, false) {
                 for lane in 0..3 {
-                    mean_of(&*integrator, 500, lane).check(1.0, 0.05).unwrap();
+                    mean_of(&*integrator, 800, lane).check(1.0, 0.05).unwrap();
                 }
             }
         }

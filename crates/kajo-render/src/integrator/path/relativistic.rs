@@ -366,7 +366,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let own = receiver(surface, local);
         let vertex = Vertex { frame: path.frame, t: path.t };
         let (to, _) = receiver_in(all, &own, vertex, frame);
-        let chosen = scene.lights_of(frame).sample(&to, u.x, self.integrator.settings.light_choice)?;
+        let chosen = scene.lights_of(frame).sample(&to, u.x, self.integrator.settings.light_selection())?;
         let mut li = scene.sample_li(chosen.light, &to, chosen.pair(u), &state.wavelengths)?;
         let seen = all.light(li.wi.as_dvec3(), frame, path.frame).as_vec3();
         let doppler = seen.length();
@@ -464,7 +464,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         weight_of_hit(settings.technique, path.path.state.connectable, || {
             let scene = self.scene();
             let to = path.receiver_in(self.integrator.all, path.frame);
-            let choice = scene.lights_of(path.frame).pmf(hit.light, &to, settings.light_choice);
+            let choice = scene.lights_of(path.frame).pmf(hit.light, &to, settings.light_selection());
             let lights = &scene.lighting;
             let pdf_li = if choice > 0.0 {
                 lights.lights.pdf_li(lights.sampler.id(hit.light), &to, at, d)

@@ -1,7 +1,7 @@
 //! The integrators that are path tracing with other settings.
 
 use kajo_core::camera::Camera;
-use kajo_core::light::LightChoice;
+use kajo_core::light::{LightChoice, LightSelection};
 use kajo_core::scene::Scene;
 use kajo_core::settings::{Caustics, Directions, IntegratorName, Settings, SettingsKey, Technique};
 use kajo_core::space::Space;
@@ -182,6 +182,12 @@ impl PathSettings {
     /// unscattered.
     pub(super) fn walks_in(&self, scene: &Scene) -> bool {
         self.caustics == Caustics::Manifold && !lacks_segments(scene)
+    }
+
+    /// How lights are chosen, without what is known of a scene.
+    pub(super) fn light_selection(&self) -> LightSelection<'static> {
+        let by = LightSelection::from(self.light_choice);
+        if self.technique == Technique::Lights { by.alone() } else { by }
     }
 
     /// Whether there is anything that a guide could do.

@@ -51,6 +51,8 @@ pub(in crate::integrator) struct CameraPath<'s> {
     along: Option<EquiangularRay>,
     /// The last collision, where light was drawn for a point along the ray to it.
     collided: Option<CollisionOnRay>,
+    /// Surfaces that were met by a path that media scatter.
+    surfaces: u32,
 }
 
 impl<'s> CameraPath<'s> {
@@ -66,6 +68,7 @@ impl<'s> CameraPath<'s> {
             is_branch: false,
             along: None,
             collided: None,
+            surfaces: 0,
         }
     }
 
@@ -81,6 +84,7 @@ impl<'s> CameraPath<'s> {
             is_branch: false,
             along: None,
             collided: None,
+            surfaces: 0,
         }
     }
 
@@ -246,7 +250,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let groups = view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]);
         let (light, sensed) = (Spectrum::BLACK, [0.0; 3]);
         let begins_in_medium = false;
-        let lights = settings.light_choice.into();
+        let lights = settings.light_selection();
         let estimate = Estimate { light, sensed, groups, first: None, begins_in_medium, albedo: None };
         PathTracer { view, settings, lights, observer, estimate, indirect, beside: None, forks }
     }
@@ -295,6 +299,11 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
                 },
                 Event::Escaped(d) => return self.add_background(path, d),
                 Event::Absorbed => return,
+            }
+            if path.state.carries_media {
+                // How often media have scattered the path differs from sample to sample.
+                path.surfaces += 1;
+                path.state.draws.begin_part(path.surfaces);
             }
             if C::IS_ASKED {
                 self.indirect.hit(path.bounces, Some(surface.at.point.p));
@@ -641,7 +650,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path.collided = path.along.map(|along| along.collision(at.length, &path.state));
         path.pdf = sample.value.pdf;
         path.bounces += 1;
-        survives_in_medium(&mut path.state, at, path.bounces, settings.roulette, self.gain())
+        survives_in_medium(&mut path.state, path.bounces, settings.roulette, self.gain())
     }
 
     /// Adds the light that media gave on the way: no light is drawn in them.

@@ -36,7 +36,7 @@ use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::Bsdf;
 use kajo_core::differential::SkyFootprint;
-use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver};
+use kajo_core::light::{LightHit, LightLiSample, LightPoint, LightSelection, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
 use kajo_math::{Ray, Vec3};
@@ -512,15 +512,16 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     ) {
         let scene = self.scene();
         let time = state.ray.time;
-        let choice = self.photons.settings.light_choice;
-        let Some(drawn) = sample_light(scene, state, &z.receiver(time), choice) else { return };
+        let choice = LightSelection::from(self.photons.settings.light_choice);
+        let by = if may_meet { choice } else { choice.alone() };
+        let Some(drawn) = sample_light(scene, state, &z.receiver(time), by) else { return };
         let DrawnLight { light, pdf, li: LightLiSample { wi, radiance, is_delta, at, .. } } = drawn;
         let scattered = z.gathered(wi);
         if scattered.is_black() {
             return;
         }
         let segment = z.at.ray_to(&at, wi, time);
-        let collided = collision.map(|collision| collision.weight(scene, light, choice.into()));
+        let collided = collision.map(|collision| collision.weight(scene, light, choice));
         let carried = state.beta * scattered * collided.unwrap_or(1.0);
         let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
         let share =

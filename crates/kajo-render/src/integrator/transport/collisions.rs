@@ -305,6 +305,9 @@ pub(super) fn walk<M: NullCollisionMedium>(
     walker: &mut impl CollisionVisitor<M::Most>,
 ) -> Option<Spectrum> {
     let mut optical_depth = exponential(draws);
+    // How many collisions there are differs from sample to sample.
+    let mut own = draws.apart();
+    let draws = own.as_mut().unwrap_or(draws);
     let mut t = Spectrum::WHITE;
     let mut collisions = 0;
     for Span { t_min, t_max, most } in matter.spans(ray) {

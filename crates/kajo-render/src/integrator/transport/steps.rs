@@ -320,18 +320,11 @@ pub fn survives_guided(path: &mut PathState<'_>, bounces: u32, plays: bool, gain
 
 /// The same behind a collision in a medium.
 ///
-/// In a body that light is scattered in hundreds of times paths that have lost nothing go on: with a chance to end each time few of them would
+/// In a body that light is scattered in many times paths that have lost nothing go on: with a chance to end each time few of them would
 /// come out, each of a large weight.
 #[inline]
-pub fn survives_in_medium(
-    path: &mut PathState<'_>,
-    at: &MediumInteraction<'_>,
-    bounces: u32,
-    plays: bool,
-    gain: f32,
-) -> bool {
-    let most = if at.is_subsurface { 1.0 } else { LARGEST_SURVIVAL };
-    survives_at_most(path, bounces, Roulette { plays, most, gain })
+pub fn survives_in_medium(path: &mut PathState<'_>, bounces: u32, plays: bool, gain: f32) -> bool {
+    survives_at_most(path, bounces, Roulette { plays, most: 1.0, gain })
 }
 
 /// How Russian roulette is played.
