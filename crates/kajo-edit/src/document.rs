@@ -234,7 +234,8 @@ impl Document {
         let change = Change::of(files, edits)?;
         let mut texts = files.clone();
         change.apply(&mut texts)?;
-        if matches!(edit, Edit::MoveInto { .. }) && !Tree::would_be_whole(&self.disk, &self.options, &texts) {
+        let is_moved = matches!(edit, Edit::MoveInto { .. });
+        if is_moved && self.base_tree().leaves_names_behind(&self.disk, &self.options, &texts) {
             return Err(EditRefused::new("values in it go by names that are known only where it stands"));
         }
         let changed = !change.is_empty();

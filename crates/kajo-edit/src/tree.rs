@@ -1,6 +1,6 @@
 //! The texts of a document as a tree, with the nodes that people see of it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -51,6 +51,12 @@ fn parsed(disk: &FsAssets, options: &LoadOptions, clock: Option<Clock>, files: &
     }
 }
 
+/// How many numbers of a text are written as expressions, those of what is repeated once.
+fn expressions(desc: &SceneDesc) -> usize {
+    let original = |span: Span| (desc.sources().original(span.source), span.start, span.end);
+    desc.expressions().map(|(span, _)| original(span)).collect::<HashSet<_>>().len()
+}
+
 impl Tree {
     /// Parses the scene that `disk` stands for, with `files` in the place of what is on disk. Files that are included
     /// for the first time are added to them.
@@ -82,9 +88,15 @@ impl Tree {
         Tree { desc, diagnostics, whole, outline, dialect: options.dialect, files: by_source, texts }
     }
 
-    /// Whether files would make a tree that holds all of their text.
-    pub fn would_be_whole(disk: &FsAssets, options: &LoadOptions, files: &[SceneFile]) -> bool {
-        parsed(disk, options, None, files).whole
+    /// Whether a text that was moved leaves names behind that its values go by: then there is an error more, an expression less, or
+    /// no whole tree.
+    ///
+    /// * `files`: with the text where it was moved to
+    pub fn leaves_names_behind(&self, disk: &FsAssets, options: &LoadOptions, files: &[SceneFile]) -> bool {
+        let new = parsed(disk, options, None, files);
+        !new.whole
+            || new.diagnostics.errors().count() > self.diagnostics.errors().count()
+            || expressions(&new.desc) < expressions(&self.desc)
     }
 
     /// The moments for which a text that is at some of its own is to be parsed to be at those that are asked for; `None` where

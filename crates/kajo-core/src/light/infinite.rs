@@ -18,8 +18,8 @@ use crate::ids::LightIndex;
 /// All of each part arrives: of the background, of directional lights, of all others.
 pub(super) const ALL: [f32; 3] = [1.0; 3];
 
-/// What the root of an even background counts beside scattering. Under a sun of twice its irradiance the variance of a dense cloud is 0.69 of that with 1
-/// at a third and 0.55 at a tenth, and that of skin 0.65 and 0.55.
+/// What the root of an even background counts beside scattering. Under a sun of twice its irradiance the variance of a dense cloud is
+/// 0.69 of that with 1 at a third and 0.55 at a tenth, and that of skin 0.65 and 0.55.
 const OF_EVEN: f32 = 0.1;
 
 /// Lights infinitely far away.

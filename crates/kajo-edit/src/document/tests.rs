@@ -402,16 +402,19 @@ fn the_material_of_an_operation_is_that_of_all_in_it() {
 fn what_goes_by_a_name_stays_where_that_is_known() {
     let text = SCENE.replace(
         "numObjects 3",
-        "MaterialIndex red  repeat k 2 { let x = 2 * k  Cone { base x 0 0  top (x + 0) 1 0  radius 1 }  Disk { center 0 0 5  normal 0 0 1  radius 1 } }\n  Group { }",
+        "MaterialIndex red  repeat k 2 { let x = 2 * k  Cone { base 0 0 0  top (x + 0) 1 0  radius 1 }  Quad { corner x 0 0  edge1 1 0 0  edge2 0 1 0 }  Cylinder { base 0 0 0  top 0 1 0  radius 1 } }\n  Group { }",
     );
     let mut d = good(&text);
-    let [cone, disk] = ["Cone", "Disk"].map(|keyword| find(&d, keyword));
     let mut inner =
         d.tree().outline.nodes().iter().filter(|node| node.kind == Kind::Group).map(|node| node.id);
     let group = inner.next_back().unwrap();
-    let refused = refusal(&mut d, &Edit::MoveInto { node: cone, into: group });
-    assert!(refused.contains("names"), "{refused}");
-    d.apply(&Edit::MoveInto { node: disk, into: group }).unwrap();
+    for keyword in ["Cone", "Quad"] {
+        let node = find(&d, keyword);
+        let refused = refusal(&mut d, &Edit::MoveInto { node, into: group });
+        assert!(refused.contains("names"), "{keyword}: {refused}");
+    }
+    let lid = find(&d, "Cylinder");
+    d.apply(&Edit::MoveInto { node: lid, into: group }).unwrap();
     assert!(d.tree().whole);
 }
 
