@@ -11,7 +11,6 @@ nothing: the lights of each program are scaled so that its picture has the mean 
 
 import argparse
 import pathlib
-import time
 
 import numpy as np
 import peers
@@ -53,36 +52,24 @@ class Kajo(peers.Kajo):
         return super().run(self.samples, seed)
 
 
-class Mitsuba:
+class Mitsuba(peers.Mitsuba):
     def __init__(self, options):
-        import mitsuba as mi
-
-        self.mi, self.options, self.name = mi, options, "Mitsuba scalar_rgb"
-        mi.set_variant("scalar_rgb")
-        T = mi.ScalarTransform4f
-        film = {"type": "hdrfilm", "width": options.size, "height": options.size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
+        super().__init__("scalar_rgb", options.size, options.samples, EYE, TARGET, VIEW_ANGLE)
+        self.sensor["medium"] = {"type": "ref", "id": "fog"}
+        T = self.mi.ScalarTransform4f
         fog = {"type": "homogeneous", "albedo": SCATTERING / (SCATTERING + ABSORPTION), "sigma_t": SCATTERING + ABSORPTION,
                "phase": {"type": "hg", "g": G}, "sample_emitters": True}  # fmt: skip
-        view = T().look_at(origin=EYE, target=TARGET, up=[0, 1, 0])
-        sensor = {"type": "perspective", "fov": VIEW_ANGLE, "fov_axis": "y", "to_world": view, "film": film, "medium": {"type": "ref", "id": "fog"}}
-        sensor["sampler"] = {"type": "multijitter", "sample_count": options.samples}
         low, high = (np.array(v, float) for v in ROOM)
         wall = {"type": "twosided", "side": {"type": "diffuse", "reflectance": {"type": "rgb", "value": ALBEDO}}}
         box = {"type": "cube", "to_world": T().translate((low + high) / 2).scale((high - low) / 2), "bsdf": wall, "interior": {"type": "ref", "id": "fog"}}
-        scene = {"type": "scene", "fog": fog, "integrator": {"type": "volpathmis", "max_depth": options.bounces + 2}, "sensor": sensor, "room": box}
+        scene = {"fog": fog, "integrator": {"type": "volpathmis", "max_depth": options.bounces + 2}, "room": box}
         for i, (p, d, angle, intensity) in enumerate(LIGHTS[options.lights]):
             light = {"type": "point", "position": list(p), "intensity": {"type": "rgb", "value": intensity}}
             if angle:
                 light = {"type": "spot", "to_world": T().look_at(origin=p, target=np.add(p, d), up=[0, 0, 1]), "cutoff_angle": angle / 2,
                          "beam_width": angle / 2 * 0.999, "intensity": {"type": "rgb", "value": intensity}}  # fmt: skip
             scene[f"light{i}"] = light | {"medium": {"type": "ref", "id": "fog"}}
-        self.scene = mi.load_dict(scene)
-        self.run(1000)
-
-    def run(self, seed):
-        start = time.process_time()
-        picture = np.array(self.mi.render(self.scene, spp=self.options.samples, seed=seed), dtype=float)
-        return picture, time.process_time() - start
+        self.load(scene)
 
 
 class Cycles(peers.Cycles):

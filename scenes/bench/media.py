@@ -12,7 +12,6 @@ one; means are printed as they came. LuxCore marches through media by steps, her
 import argparse
 import pathlib
 import struct
-import time
 
 import numpy as np
 import peers
@@ -90,17 +89,10 @@ class Kajo(peers.Kajo):
         return super().run(self.samples, seed)
 
 
-class Mitsuba:
+class Mitsuba(peers.Mitsuba):
     def __init__(self, options):
-        import mitsuba as mi
-
-        self.mi, self.samples, self.name = mi, options.samples, "Mitsuba scalar_rgb"
-        mi.set_variant("scalar_rgb")
-        T = mi.ScalarTransform4f
-        film = {"type": "hdrfilm", "width": options.size, "height": options.size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-        view = T().look_at(origin=EYE, target=TARGET, up=[0, 1, 0])
-        sensor = {"type": "perspective", "fov": VIEW_ANGLE, "fov_axis": "y", "to_world": view, "film": film}
-        sensor["sampler"] = {"type": "multijitter", "sample_count": options.samples}
+        super().__init__("scalar_rgb", options.size, options.samples, EYE, TARGET, VIEW_ANGLE)
+        mi, T = self.mi, self.mi.ScalarTransform4f
         scattering, absorption, g = (np.array(v) for v in MEDIA[options.scene])
         extinction = scattering + absorption
         values = options.density.transpose(2, 1, 0)[..., None] * (extinction / extinction.max()).astype(np.float32)
@@ -108,18 +100,12 @@ class Mitsuba:
         grid = {"type": "gridvolume", "grid": mi.VolumeGrid(np.ascontiguousarray(values)), "to_world": box, "raw": True}
         albedo = {"type": "constvolume", "value": {"type": "rgb", "value": list(scattering / extinction)}}
         medium = {"type": "heterogeneous", "sigma_t": grid, "albedo": albedo, "scale": float(extinction.max()), "phase": {"type": "hg", "g": float(g)}}
-        self.scene = mi.load_dict({
-            "type": "scene", "sensor": sensor, "integrator": {"type": "volpathmis", "max_depth": options.bounces + 2},
+        self.load({
+            "integrator": {"type": "volpathmis", "max_depth": options.bounces + 2},
             "sky": {"type": "constant", "radiance": {"type": "rgb", "value": SKY}},
             "sun": {"type": "directional", "direction": list(SUN), "irradiance": {"type": "rgb", "value": IRRADIANCE}},
             "body": {"type": "cube", "bsdf": {"type": "null"}, "interior": medium},
         })  # fmt: skip
-        self.run(1000)
-
-    def run(self, seed):
-        start = time.process_time()
-        picture = np.array(self.mi.render(self.scene, spp=self.samples, seed=seed), dtype=float)
-        return picture, time.process_time() - start
 
 
 class Cycles(peers.Cycles):

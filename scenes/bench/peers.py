@@ -45,6 +45,31 @@ class Kajo:
         return picture, (seconds - start) * samples / (samples - 1)
 
 
+class Mitsuba:
+    """A scene of Mitsuba 3, rendered on one thread into a square."""
+
+    def __init__(self, variant, size, samples, eye, target, view_angle):
+        import mitsuba as mi
+
+        self.mi, self.variant, self.samples, self.name = mi, variant, samples, f"Mitsuba {variant}"
+        mi.set_variant(variant)
+        film = {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
+        view = mi.ScalarTransform4f().look_at(origin=eye, target=target, up=[0, 1, 0])
+        self.sensor = {"type": "perspective", "fov": view_angle, "fov_axis": "y", "to_world": view, "film": film}
+        self.sensor["sampler"] = {"type": "multijitter", "sample_count": samples}
+
+    def load(self, scene):
+        """Loads a scene, but for its camera, and compiles it."""
+        self.scene = self.mi.load_dict({"type": "scene", "sensor": self.sensor} | scene)
+        self.run(1000)
+
+    def run(self, seed):
+        self.mi.set_variant(self.variant)
+        start = time.process_time()
+        picture = np.array(self.mi.render(self.scene, spp=self.samples, seed=seed), dtype=float)
+        return picture, time.process_time() - start
+
+
 class Cycles:
     """A scene of Blender's Cycles, rendered on one thread into a square."""
 

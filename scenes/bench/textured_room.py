@@ -6,18 +6,17 @@
 
 Floor, walls, ceiling and two boxes show pictures that the script writes to DIR, bilinear and repeated. One thread each, the programs take turns.
 The error is that of one picture, from pictures that differ in the seed only; seconds are of processor time, of the render call
-of Mitsuba and Cycles, and of kajo's whole run less that of one sample. "error x s" is what an error costs, however many samples are taken.
+of Mitsuba, and of all of kajo's and Cycles' work less that of one sample. "error x s" is what an error costs, however many samples are taken.
 Means are printed because errors of different pictures say nothing."""
 
 import argparse
 import pathlib
-import resource
 import struct
-import subprocess
-import time
 import zlib
 
 import numpy as np
+import peers
+from peers import numbers
 
 BOUNCES = 6
 EYE, TARGET, VIEW_ANGLE = (0, 1.3, 2.3), (0, 1.0, 0), 65
@@ -69,14 +68,9 @@ def pictures(folder):
         (folder / f"{name}.png").write_bytes(b"\x89PNG\r\n\x1a\n" + content)
 
 
-def numbers(values):
-    return " ".join(f"{v:g}" for v in values)
-
-
-class Kajo:
+class Kajo(peers.Kajo):
     def __init__(self, options, filter_name):
-        self.options, self.name = options, f"kajo {filter_name}"
-        self.file, self.out = options.folder / f"room_{filter_name}.txt", options.folder / "room.pfm"
+        self.samples = options.samples
         direction = np.subtract(TARGET, EYE)
         lines = [
             f"PerspectiveCamera {{ center {numbers(EYE)}  direction {numbers(direction)}  up 0 1 0  angle {VIEW_ANGLE} }}",
@@ -89,40 +83,22 @@ class Kajo:
         for i, (corner, edge1, edge2, _, _) in enumerate(QUADS):
             lines.append(f"  MaterialIndex m{i}  {self.quad(corner, edge1, edge2)}")
         lines.append(f"  MaterialIndex emitter  {self.quad(*EMITTER)}\n}}\n")
-        self.file.write_text("\n".join(lines))
+        arguments = ["--integrator", "path", "--bounces", BOUNCES]
+        super().__init__(options.kajo, options.folder, f"room_{filter_name}", options.size, "\n".join(lines), arguments)
+        self.name = f"kajo {filter_name}"
 
     @staticmethod
     def quad(corner, edge1, edge2):
         return f"Quad {{ corner {numbers(corner)}  edge1 {numbers(edge1)}  edge2 {numbers(edge2)} }}"
 
-    def render(self, samples, seed):
-        options = self.options
-        command = [options.kajo, "render", str(self.file), "-o", str(self.out), "--integrator", "path", "--bounces", str(BOUNCES)]
-        command += ["--size", f"{options.size}x{options.size}", "--samples", "sobol", str(samples)]
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        subprocess.run([*command, "--seed", str(seed), "--threads", "1", "--quiet"], check=True)
-        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-        content = self.out.read_bytes().split(b"\n", 3)[3]
-        return np.frombuffer(content, "<f4").reshape(options.size, options.size, 3)[::-1].astype(float), seconds
-
     def run(self, seed):
-        samples = self.options.samples
-        _, start = self.render(1, seed)
-        picture, seconds = self.render(samples, seed)
-        return picture, (seconds - start) * samples / (samples - 1)
+        return super().run(self.samples, seed)
 
 
-class Mitsuba:
+class Mitsuba(peers.Mitsuba):
     def __init__(self, options, variant):
-        import mitsuba as mi
-
-        self.mi, self.options, self.variant, self.name = mi, options, variant, f"Mitsuba {variant}"
-        mi.set_variant(variant)
-        film = {"type": "hdrfilm", "width": options.size, "height": options.size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-        view = mi.ScalarTransform4f().look_at(origin=EYE, target=TARGET, up=[0, 1, 0])
-        sensor = {"type": "perspective", "fov": VIEW_ANGLE, "fov_axis": "y", "to_world": view, "film": film}
-        sensor["sampler"] = {"type": "multijitter", "sample_count": options.samples}
-        scene = {"type": "scene", "sensor": sensor, "integrator": {"type": "path", "max_depth": BOUNCES + 2}}
+        super().__init__(variant, options.size, options.samples, EYE, TARGET, VIEW_ANGLE)
+        mi, scene = self.mi, {"integrator": {"type": "path", "max_depth": BOUNCES + 2}}
         for i, (*corners, picture, repeat) in enumerate(QUADS):
             scale = mi.ScalarTransform4f().scale([repeat, repeat, 1])
             color = {"type": "bitmap", "filename": str(options.folder / f"{picture}.png"), "to_uv": scale}
@@ -130,8 +106,7 @@ class Mitsuba:
         black = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}}
         emitted = {"type": "area", "radiance": {"type": "rgb", "value": list(EMITTED)}}
         scene["emitter"] = self.quad(EMITTER, black) | {"light": emitted}
-        self.scene = mi.load_dict(scene)
-        self.run(1000)
+        self.load(scene)
 
     def quad(self, corners, bsdf):
         corner, edge1, edge2 = (np.array(v, float) for v in corners)
@@ -141,79 +116,37 @@ class Mitsuba:
         matrix[:3, 2], matrix[:3, 3] = n / np.linalg.norm(n), corner + (edge1 + edge2) / 2
         return {"type": "rectangle", "to_world": self.mi.ScalarTransform4f(matrix), "bsdf": bsdf}
 
-    def run(self, seed):
-        self.mi.set_variant(self.variant)
-        start = time.process_time()
-        picture = np.array(self.mi.render(self.scene, spp=self.options.samples, seed=seed), dtype=float)
-        return picture, time.process_time() - start
 
-
-class Cycles:
+class Cycles(peers.Cycles):
     def __init__(self, options):
-        import bpy
-        import mathutils
-
-        self.bpy, self.options, self.name = bpy, options, f"Cycles {bpy.app.version_string}"
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        super().__init__(options.folder, options.size, options.samples, BOUNCES)
         for i, (*corners, picture, repeat) in enumerate(QUADS):
             self.quad(corners, repeat, self.textured(str(options.folder / f"{picture}.png")))
         self.quad(EMITTER, 1, self.emitting())
-        world = bpy.data.worlds.new("world")
-        world.use_nodes = True
-        world.node_tree.nodes["Background"].inputs[0].default_value = (0, 0, 0, 1)
-        bpy.context.scene.world = world
-        camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-        camera.data.sensor_fit, camera.data.angle = "VERTICAL", np.radians(VIEW_ANGLE)
-        z = (mathutils.Vector(EYE) - mathutils.Vector(TARGET)).normalized()
-        x = mathutils.Vector((0, 1, 0)).cross(z).normalized()
-        camera.matrix_world = mathutils.Matrix((x, z.cross(x), z)).transposed().to_4x4()
-        camera.matrix_world.translation = EYE
-        bpy.context.collection.objects.link(camera)
-        bpy.context.scene.camera = camera
-        self.settings()
-        self.run(1000)
-
-    def settings(self):
-        scene = self.bpy.context.scene
-        scene.render.engine = "CYCLES"
-        cycles = scene.cycles
-        cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, False
-        cycles.max_bounces = cycles.diffuse_bounces = BOUNCES
-        cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
-        cycles.pixel_filter_type, cycles.samples = "BOX", self.options.samples
-        scene.render.resolution_x = scene.render.resolution_y = self.options.size
-        scene.render.resolution_percentage, scene.render.threads_mode, scene.render.threads = 100, "FIXED", 1
-        scene.view_settings.view_transform = "Raw"
-        scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-        scene.render.filepath = str(self.options.folder / "cycles.exr")
-
-    def material(self):
-        material = self.bpy.data.materials.new("m")
-        material.use_nodes = True
-        tree = material.node_tree
-        tree.nodes.clear()
-        return material, tree, tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"]
+        self.sky(0)
+        self.camera(EYE, TARGET, VIEW_ANGLE)
 
     def textured(self, file):
-        material, tree, surface = self.material()
-        diffuse, picture = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeTexImage")
+        material, node = self.material()
+        diffuse, picture, out = map(node, ("BsdfDiffuse", "TexImage", "OutputMaterial"))
         picture.image = self.bpy.data.images.load(file, check_existing=True)
         picture.image.colorspace_settings.name = "sRGB"
-        tree.links.new(picture.outputs[0], diffuse.inputs["Color"])
-        tree.links.new(diffuse.outputs[0], surface)
+        links = material.node_tree.links
+        links.new(picture.outputs[0], diffuse.inputs["Color"])
+        links.new(diffuse.outputs[0], out.inputs["Surface"])
         return material
 
     def emitting(self):
-        material, tree, surface = self.material()
-        emission, geometry, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "NewGeometry", "MixShader"))
+        material, node = self.material()
+        emission, geometry, mix, black, out = map(node, ("Emission", "NewGeometry", "MixShader", "BsdfDiffuse", "OutputMaterial"))
         emission.inputs["Color"].default_value = (*(v / EMITTED[0] for v in EMITTED), 1)
         emission.inputs["Strength"].default_value = EMITTED[0]
-        black = tree.nodes.new("ShaderNodeBsdfDiffuse")
         black.inputs["Color"].default_value = (0, 0, 0, 1)
-        tree.links.new(geometry.outputs["Backfacing"], mix.inputs[0])
-        tree.links.new(emission.outputs[0], mix.inputs[1])
-        tree.links.new(black.outputs[0], mix.inputs[2])
-        tree.links.new(mix.outputs[0], surface)
+        links = material.node_tree.links
+        links.new(geometry.outputs["Backfacing"], mix.inputs[0])
+        links.new(emission.outputs[0], mix.inputs[1])
+        links.new(black.outputs[0], mix.inputs[2])
+        links.new(mix.outputs[0], out.inputs["Surface"])
         return material
 
     def quad(self, corners, repeat, material):
@@ -224,18 +157,6 @@ class Cycles:
         mesh.uv_layers.new().data.foreach_set("uv", [repeat * v for v in (0, 0, 1, 0, 1, 1, 0, 1)])
         mesh.materials.append(material)
         self.bpy.context.collection.objects.link(self.bpy.data.objects.new("quad", mesh))
-
-    def run(self, seed):
-        scene = self.bpy.context.scene
-        scene.cycles.seed = seed
-        start = time.process_time()
-        self.bpy.ops.render.render(write_still=True)
-        seconds = time.process_time() - start
-        image = self.bpy.data.images.load(scene.render.filepath)
-        pixels = np.empty(self.options.size**2 * 4, np.float32)
-        image.pixels.foreach_get(pixels)
-        self.bpy.data.images.remove(image)
-        return pixels.reshape(self.options.size, self.options.size, 4)[::-1, :, :3].astype(float), seconds
 
 
 def main():

@@ -15,12 +15,12 @@ use super::tree::FirstStep;
 use super::visibility::Mixture;
 use crate::ids::LightIndex;
 
-/// All of each part arrives: of the background, of directional lights, of all others.
-pub(super) const ALL: [f32; 3] = [1.0; 3];
+/// Factors of the weights of the background, of directional lights and of the tree that leave them as they are.
+pub(super) const ALIKE: [f32; 3] = [1.0; 3];
 
 /// What the root of an even background counts beside scattering. Under a sun of twice its irradiance the variance of a dense cloud is
 /// 0.69 of that with 1 at a third and 0.55 at a tenth, and that of skin 0.65 and 0.55.
-const OF_EVEN: f32 = 0.1;
+const EVEN_BACKGROUND: f32 = 0.1;
 
 /// Lights infinitely far away.
 #[derive(Debug, Default)]
@@ -32,7 +32,7 @@ pub(super) struct InfiniteLights {
     upto: Vec<f32>,
     /// The roots of the irradiances of the background and of all others.
     weights: [f32; 2],
-    /// What each part counts beside scattering.
+    /// Factors of the weights of the background, of directional lights and of the tree where scattering finds light too.
     beside_scattering: [f32; 3],
 }
 
@@ -59,7 +59,7 @@ impl InfiniteLights {
         }
         let upto = upto.iter().map(|root| (root / roots) as f32).collect();
         let weights = [of_background, sum].map(|irradiance| irradiance.sqrt() as f32);
-        let beside_scattering = [if is_even { OF_EVEN } else { 1.0 }, 1.0, 1.0];
+        let beside_scattering = [if is_even { EVEN_BACKGROUND } else { 1.0 }, 1.0, 1.0];
         InfiniteLights { background, directional, upto, weights, beside_scattering }
     }
 
@@ -77,7 +77,7 @@ impl InfiniteLights {
         size_of_val(&*self.directional) + size_of_val(&*self.upto)
     }
 
-    /// What each part counts where scattering finds light too.
+    /// Factors of the weights of the three parts where scattering finds light too.
     pub fn beside_scattering(&self) -> [f32; 3] {
         self.beside_scattering
     }
@@ -89,16 +89,16 @@ impl InfiniteLights {
 
     /// The probability that one of a tree is chosen for a receiver, and not one of these.
     ///
-    /// * `arrives`: what counts of each part, the background, directional lights and the tree
+    /// * `factors`: of the weights of the background, of directional lights and of the tree
     #[inline]
-    pub fn share_of_tree(&self, step: &FirstStep, arrives: [f32; 3]) -> f32 {
-        let weight = self.weights[0] * arrives[0] + self.weights[1] * arrives[1];
+    pub fn share_of_tree(&self, step: &FirstStep, factors: [f32; 3]) -> f32 {
+        let weight = self.weights[0] * factors[0] + self.weights[1] * factors[1];
         if weight == 0.0 {
             return 1.0;
         }
         match step.irradiance() {
             Some(irradiance) => {
-                let tree = irradiance.sqrt() * arrives[2];
+                let tree = irradiance.sqrt() * factors[2];
                 tree / (tree + weight)
             }
             None => 1.0 / (self.len() + 1) as f32,
@@ -108,10 +108,10 @@ impl InfiniteLights {
     /// Chooses one of these; `None` where there are none.
     ///
     /// * `u`: uniform in [0, 1)
-    /// * `arrives`: as for [`InfiniteLights::share_of_tree`]
+    /// * `factors`: as for [`InfiniteLights::share_of_tree`]
     #[inline]
-    pub fn sample(&self, u: f32, arrives: [f32; 3]) -> Option<SampledLight> {
-        let share = self.share_of_background(arrives);
+    pub fn sample(&self, u: f32, factors: [f32; 3]) -> Option<SampledLight> {
+        let share = self.share_of_background(factors);
         if let Some(background) = self.background
             && u < share
         {
@@ -155,8 +155,8 @@ impl InfiniteLights {
 
     /// Probability with which [`InfiniteLights::sample`] chooses a light; 0 for one that is not among these.
     #[inline]
-    pub fn pmf(&self, light: LightIndex, arrives: [f32; 3]) -> f32 {
-        let share = self.share_of_background(arrives);
+    pub fn pmf(&self, light: LightIndex, factors: [f32; 3]) -> f32 {
+        let share = self.share_of_background(factors);
         if Some(light) == self.background {
             return share;
         }
@@ -166,11 +166,11 @@ impl InfiniteLights {
 
     /// By importance, and by what is known to arrive too.
     fn shares_of_background(&self, arrives: [f32; 3]) -> [f32; 2] {
-        [self.beside_scattering, self.of_arriving(arrives)].map(|arrives| self.share_of_background(arrives))
+        [self.beside_scattering, self.of_arriving(arrives)].map(|factors| self.share_of_background(factors))
     }
 
-    fn share_of_background(&self, arrives: [f32; 3]) -> f32 {
-        let [background, directional] = [0, 1].map(|i| self.weights[i] * arrives[i]);
+    fn share_of_background(&self, factors: [f32; 3]) -> f32 {
+        let [background, directional] = [0, 1].map(|i| self.weights[i] * factors[i]);
         if background > 0.0 { background / (background + directional) } else { 0.0 }
     }
 

@@ -3,7 +3,7 @@
 use kajo_color::Wavelengths;
 use kajo_math::Vec3;
 
-use super::infinite::{ALL, InfiniteLights};
+use super::infinite::{ALIKE, InfiniteLights};
 use super::segment::{AngularSpan, RaySegment};
 use super::tree::FirstStep;
 use super::visibility::{LightPart, Mixture, RegionVisibility};
@@ -176,19 +176,19 @@ impl LightSampler {
         if let [only] = *self.choosable {
             return Some(SampledLight::new(only, 1.0, u));
         }
-        let arrives = match by.into() {
+        let factors = match by.into() {
             LightSelection::Tree => self.infinite.beside_scattering(),
-            LightSelection::TreeAlone => ALL,
+            LightSelection::TreeAlone => ALIKE,
             LightSelection::Uniform => return self.sample_uniform(u),
             LightSelection::Learned(visibility) => return self.sample_learned(to, u, visibility),
         };
         let step = self.tree.first_step(to);
-        let share = self.infinite.share_of_tree(&step, arrives);
+        let share = self.infinite.share_of_tree(&step, factors);
         if u < share {
             let chosen = self.tree.sample(to, &step, u / share)?;
             return Some(SampledLight { probability: share * chosen.probability, ..chosen });
         }
-        let chosen = self.infinite.sample((u - share) / (1.0 - share), arrives)?;
+        let chosen = self.infinite.sample((u - share) / (1.0 - share), factors)?;
         Some(SampledLight { probability: (1.0 - share) * chosen.probability, ..chosen })
     }
 
@@ -199,21 +199,21 @@ impl LightSampler {
             return if only == light { 1.0 } else { 0.0 };
         }
         let in_tree = self.tree.has(light);
-        let arrives = match by.into() {
+        let factors = match by.into() {
             LightSelection::Tree => self.infinite.beside_scattering(),
-            LightSelection::TreeAlone => ALL,
+            LightSelection::TreeAlone => ALIKE,
             LightSelection::Uniform => {
-                let can_be_chosen = in_tree || self.infinite.pmf(light, ALL) > 0.0;
+                let can_be_chosen = in_tree || self.infinite.pmf(light, ALIKE) > 0.0;
                 return if can_be_chosen { self.pmf_uniform() } else { 0.0 };
             }
             LightSelection::Learned(visibility) => return self.pmf_learned(light, to, visibility),
         };
         let step = self.tree.first_step(to);
-        let share = self.infinite.share_of_tree(&step, arrives);
+        let share = self.infinite.share_of_tree(&step, factors);
         if in_tree {
             share * self.tree.pmf(light, to, &step)
         } else {
-            (1.0 - share) * self.infinite.pmf(light, arrives)
+            (1.0 - share) * self.infinite.pmf(light, factors)
         }
     }
 
@@ -307,7 +307,7 @@ impl LightSampler {
     /// The probability that a light has a position, by importance and by what is known to arrive too.
     fn shares_of_tree(&self, step: &FirstStep, known: &RegionVisibility<'_>) -> [f32; 2] {
         [self.infinite.beside_scattering(), self.infinite.of_arriving(known.parts)]
-            .map(|arrives| self.infinite.share_of_tree(step, arrives))
+            .map(|factors| self.infinite.share_of_tree(step, factors))
     }
 
     /// A table of what arrives, of draws by [`LightSampler::sample`].

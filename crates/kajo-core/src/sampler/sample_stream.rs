@@ -26,8 +26,8 @@ const PATTERN_SALT: u32 = 0xA076_1D64;
 /// Sets the seeds of splits apart from pixels.
 const SPLIT_SALT: u32 = 0x78BD_642F;
 
-/// Sets the seeds of [`SampleStream::apart`] apart from those of splits.
-const APART_SALT: u32 = 0x2545_F491;
+/// Sets the seeds of [`SampleStream::substream`] apart from those of splits.
+const SUBSTREAM_SALT: u32 = 0x2545_F491;
 
 /// Dimensions of a part of a path, see [`SampleStream::begin_part`].
 const DIMENSIONS_OF_PART: u32 = 1024;
@@ -189,9 +189,9 @@ impl<'a> SampleStream<'a> {
     /// Numbers of their own for what takes an unknown count of them, so that those that follow keep their dimensions; `None` where numbers
     /// are given, of which only the order is known.
     #[inline]
-    pub fn apart(&self) -> Option<SampleStream<'a>> {
+    pub fn substream(&self) -> Option<SampleStream<'a>> {
         self.sampler.beside.is_none().then(|| {
-            let seed = self.seed.part([self.dimension, APART_SALT]);
+            let seed = self.seed.part([self.dimension, SUBSTREAM_SALT]);
             SampleStream::with_count(self.sampler, seed, self.pixel, self.sample, self.count)
         })
     }

@@ -66,6 +66,10 @@ fn a_path_beside_has_numbers_of_its_own_and_forks_have_none() {
     let mut in_order = given;
     in_order.begin_part(1);
     assert_eq!(numbers(in_order, 8), path, "given numbers stay in their order");
-    assert!(given.apart().is_none() && given.split(0, 0, 1).apart().is_none() && free.apart().is_some());
+    assert!(
+        given.substream().is_none()
+            && given.split(0, 0, 1).substream().is_none()
+            && free.substream().is_some()
+    );
     assert_ne!(sampler, Sampler::given(path, Vec::new()));
 }

@@ -186,14 +186,14 @@ fn no_number_of_samples_and_no_place_is_too_much() {
 
 /// What comes after an unknown count of numbers has the same dimensions in all samples, and is spread evenly over them.
 #[test]
-fn numbers_apart_shift_none_of_those_that_follow() {
+fn substreams_shift_none_of_those_that_follow() {
     let n = 16;
     for kind in KINDS {
         let sampler = Sampler::new(kind, n);
         let after = |k: u32, count: u32| {
             let mut draws = draws(&sampler, k);
             let first = draws.next_1d();
-            let mut own = draws.apart().expect("no numbers are given");
+            let mut own = draws.substream().expect("no numbers are given");
             let apart: Vec<f32> = (0..count).map(|_| own.next_1d()).collect();
             let next = draws.next_1d();
             assert!(apart.iter().all(|&u| u != first && u != next), "{kind:?}");

@@ -306,7 +306,7 @@ pub(super) fn walk<M: NullCollisionMedium>(
 ) -> Option<Spectrum> {
     let mut optical_depth = exponential(draws);
     // How many collisions there are differs from sample to sample.
-    let mut own = draws.apart();
+    let mut own = draws.substream();
     let draws = own.as_mut().unwrap_or(draws);
     let mut t = Spectrum::WHITE;
     let mut collisions = 0;
