@@ -5,7 +5,7 @@ use std::thread;
 
 use kajo::output::Target;
 use kajo::{
-    BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, EncodeOptions, Format, Highlight, ImageError,
+    BitDepth, ClampedLight, DENOISE_OUTPUTS, Defaults, Dialect, EncodeOptions, Format, Highlight, ImageError,
     IntegratorSettings, LARGEST_R_HAT, LoadOptions, Loaded, Passes, Picture, Rect, Reduction, RenderError,
     RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot,
     View, diagrams,
@@ -323,6 +323,9 @@ impl Job {
         }
         warn_of_numbers(&picture.stats, voice);
         warn_of_chains(picture.r_hat(), voice);
+        if let Some(clamped) = picture.clamped() {
+            voice.note(what_was_clamped(&clamped));
+        }
         let mut interrupted = interrupted;
         interrupted |= self.denoise(&mut picture, keeps_partial, interrupt, voice);
         let overexposed = picture.overexposed();
@@ -530,6 +533,20 @@ fn warn_of_chains(r_hat: Option<f64>, voice: &mut Voice<'_>) {
     }
 }
 
+/// What `clamp` has taken away.
+fn what_was_clamped(clamped: &ClampedLight) -> String {
+    let ClampedLight { limit, count, taken } = clamped;
+    if *count == 0 {
+        return format!("`clamp {limit}` took nothing away: no sample was above it");
+    }
+    let [red, green, blue] = taken.map(|share| 100.0 * share);
+    format!(
+        "`clamp {limit}` limited {count} sample{} and took away {red:.2} % of the red light, {green:.2} % of the green and \
+         {blue:.2} % of the blue: the picture is darker by that",
+        if *count == 1 { "" } else { "s" },
+    )
+}
+
 fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
     if stats.non_finite > 0 {
         voice.warn(format!("{} samples were not finite numbers and count as black", stats.non_finite));
@@ -576,6 +593,18 @@ mod tests {
                 ),
             }
         }
+    }
+
+    #[test]
+    fn what_is_clamped_is_said_in_shares() {
+        let said = |count, taken| what_was_clamped(&ClampedLight { limit: 2.5, count, taken });
+        assert_eq!(said(0, [0.0; 3]), "`clamp 2.5` took nothing away: no sample was above it");
+        assert_eq!(
+            said(12, [0.5, 0.0123, 0.0]),
+            "`clamp 2.5` limited 12 samples and took away 50.00 % of the red light, 1.23 % of the green and 0.00 % of the blue: \
+             the picture is darker by that"
+        );
+        assert!(said(1, [0.1; 3]).contains("limited 1 sample and"));
     }
 
     impl Job {

@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 78] = [
+const ROLES: [(&str, Role); 79] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -177,6 +177,7 @@ const ROLES: [(&str, Role); 78] = [
     ("caustics", Decides("--integrator path", "--caustics manifold")),
     ("light-choice", Decides("--integrator path", "--light-choice uniform")),
     ("roulette", Decides("--integrator path", "--roulette off")),
+    ("clamp", Decides("--integrator path", "--clamp 3")),
     ("reach", Decides("--integrator occlusion", "--reach 2")),
     ("frames", Decides("", "--frames 3")),
     ("fps", Decides("--frames 3", "--fps 30")),

@@ -13,7 +13,7 @@ use kajo_math::{Vec2, Vec3};
 
 use crate::daylight::{Sky, Sun};
 use crate::differential::SkyFootprint;
-use crate::environment::{Environment, SphereDensity, direction_of};
+use crate::environment::{DensityWeight, Environment, SphereDensity, direction_of};
 use crate::star_field::StarField;
 
 /// File names of the six pictures of a cube map, in the order of [`CubeMap::new`].
@@ -109,13 +109,15 @@ impl Background {
     }
 
     /// Where light comes from, stars left out, to draw directions by; `None` where it comes from everywhere alike, or from nowhere.
-    pub fn density(&self) -> Option<SphereDensity> {
+    ///
+    /// * `weight`: which of the light counts
+    pub fn density(&self, weight: DensityWeight) -> Option<SphereDensity> {
         match self {
             Background::Constant { .. } => None,
-            Background::CubeMap(map) => map.density(),
-            Background::Environment(environment) => environment.density(),
-            Background::Sky(sky) => sky.density(),
-            Background::Starry { behind, .. } => behind.density(),
+            Background::CubeMap(map) => map.density(weight),
+            Background::Environment(environment) => environment.density(weight),
+            Background::Sky(sky) => sky.density(weight),
+            Background::Starry { behind, .. } => behind.density(weight),
         }
     }
 
@@ -136,6 +138,17 @@ impl Background {
             Background::Environment(environment) => environment.mean_luminance(),
             Background::Sky(sky) => sky.mean_luminance(),
             Background::Starry { behind, stars } => behind.mean_luminance() + stars.mean_luminance(),
+        }
+    }
+
+    /// The mean over all directions of what the luminance of its picture is above its mean, with all light of the sun and of stars.
+    pub fn luminance_above_mean(&self) -> f32 {
+        match self {
+            Background::Constant { .. } => 0.0,
+            Background::CubeMap(map) => map.luminance_above(map.mean_luminance()),
+            Background::Environment(environment) => environment.luminance_above_mean(),
+            Background::Sky(sky) => sky.luminance_above_mean(),
+            Background::Starry { behind, stars } => behind.luminance_above_mean() + stars.mean_luminance(),
         }
     }
 
@@ -164,7 +177,7 @@ impl CubeMap {
     }
 
     /// The brightness of the pictures over a grid as fine as they are.
-    fn density(&self) -> Option<SphereDensity> {
+    fn density(&self, weight: DensityWeight) -> Option<SphereDensity> {
         let pixels = |face: &Image| u64::from(face.width()) * u64::from(face.height());
         let side = self.faces.iter().map(pixels).max().unwrap_or(1).isqrt().clamp(1, 2048) as usize;
         let (width, height) = (4 * side, 2 * side);
@@ -172,11 +185,16 @@ impl CubeMap {
             let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
             self.color(direction_of(uv)).luminance()
         };
-        SphereDensity::new(width, height, 0.0, luminance)
+        SphereDensity::new(width, height, 0.0, luminance, weight)
     }
 
     /// The mean luminance of all directions.
     fn mean_luminance(&self) -> f32 {
+        self.luminance_above(0.0)
+    }
+
+    /// The mean over all directions of what the luminance is above a level.
+    fn luminance_above(&self, level: f32) -> f32 {
         let (mut sum, mut weights) = (0.0, 0.0);
         for face in &self.faces {
             let [w, h] = [face.width(), face.height()];
@@ -185,7 +203,8 @@ impl CubeMap {
                 let [a, b] = [(x, w), (y, h)].map(|(i, n)| 2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0);
                 let r2 = 1.0 + a * a + b * b;
                 let weight = 1.0 / (r2 * r2.sqrt() * f64::from(w) * f64::from(h));
-                sum += weight * f64::from(Spectrum::from(Vec3::from(face.rgb(x, y))).luminance());
+                let luminance = Spectrum::from(Vec3::from(face.rgb(x, y))).luminance();
+                sum += weight * f64::from((luminance - level).max(0.0));
                 weights += weight;
             }
         }

@@ -29,7 +29,7 @@ use kajo_color::matrix::apply;
 use kajo_color::{Emission, Outside, RgbBasis, Spectrum, Tabulated, Wavelengths, sensor};
 use kajo_math::{Vec2, Vec3, fmath};
 
-use crate::environment::{Environment, SphereDensity, direction_of};
+use crate::environment::{DensityWeight, Environment, SphereDensity, direction_of};
 use crate::sky_disc::SkyDisc;
 
 /// `1 - cos r` for the sun's angular radius of 0.2666 degrees.
@@ -147,14 +147,23 @@ impl Sky {
     }
 
     /// The density in proportion to the brightness of sky and ground, without the sun.
-    pub fn density(&self) -> Option<SphereDensity> {
-        self.picture.density()
+    pub fn density(&self, weight: DensityWeight) -> Option<SphereDensity> {
+        self.picture.density(weight)
     }
 
     /// The mean luminance over all directions of the sky, the ground and the sun.
     pub fn mean_luminance(&self) -> f32 {
+        self.picture.mean_luminance() + self.mean_luminance_of_sun()
+    }
+
+    /// The mean over all directions of what the luminance of sky and ground is above its mean, with all light of the sun.
+    pub fn luminance_above_mean(&self) -> f32 {
+        self.picture.luminance_above_mean() + self.mean_luminance_of_sun()
+    }
+
+    fn mean_luminance_of_sun(&self) -> f32 {
         let sun = self.sun.as_ref().map_or(0.0, |sun| sun.radiance.luminance() * Sun::SOLID_ANGLE);
-        self.picture.mean_luminance() + 0.25 * FRAC_1_PI * sun
+        0.25 * FRAC_1_PI * sun
     }
 
     /// Whether there is no light.
@@ -342,7 +351,10 @@ mod tests {
         for turbidity in [f32::MIN, 2.0, 5.0, 10.0, 99.0] {
             for elevation in [-5.0, 0.0, 1.0, 45.0, 90.0, 180.0] {
                 let sky = sky(turbidity, elevation);
-                assert!(sky.sky_irradiance.is_finite() && sky.density().is_some(), "{turbidity} {elevation}");
+                assert!(
+                    sky.sky_irradiance.is_finite() && sky.density(DensityWeight::All).is_some(),
+                    "{turbidity} {elevation}"
+                );
                 let share = sky.sun_share();
                 assert!((0.2..=0.7).contains(&share));
             }

@@ -66,6 +66,8 @@ pub struct Environment {
     is_black: bool,
     /// Over all directions.
     mean_luminance: f32,
+    /// The mean of what is above that.
+    above_mean: f32,
 }
 
 impl Environment {
@@ -90,16 +92,18 @@ impl Environment {
         let (width, height) = (picture.width() as usize, picture.height() as usize);
         // From above, with x to the right and -z upward, longitudes run clockwise.
         let turn = -rotate_deg.rem_euclid(360.0) / 360.0;
-        let mean_luminance = mean_luminance(&pixels, width);
-        (Environment { pixels, width, height, turn, is_black, mean_luminance }, unusable)
+        let mean_luminance = luminance_above(&pixels, width, 0.0);
+        let above_mean = luminance_above(&pixels, width, mean_luminance);
+        (Environment { pixels, width, height, turn, is_black, mean_luminance, above_mean }, unusable)
     }
 
     /// An environment of these colours, linear sRGB without negative parts, by column and row.
     pub(crate) fn from_fn(width: usize, height: usize, color: impl Fn(usize, usize) -> Vec3) -> Environment {
         let pixels: Vec<Vec3> = (0..width * height).map(|i| color(i % width, i / width)).collect();
         let is_black = pixels.iter().all(|&rgb| rgb == Vec3::ZERO);
-        let mean_luminance = mean_luminance(&pixels, width);
-        Environment { pixels, width, height, turn: 0.0, is_black, mean_luminance }
+        let mean_luminance = luminance_above(&pixels, width, 0.0);
+        let above_mean = luminance_above(&pixels, width, mean_luminance);
+        Environment { pixels, width, height, turn: 0.0, is_black, mean_luminance, above_mean }
     }
 
     /// Linear RGB from the direction `d`, not necessarily of unit length.
@@ -127,23 +131,40 @@ impl Environment {
         self.mean_luminance
     }
 
+    /// The mean over all directions of what the luminance is above that mean.
+    pub fn luminance_above_mean(&self) -> f32 {
+        self.above_mean
+    }
+
     /// The density in proportion to brightness; `None` for a black picture.
-    pub fn density(&self) -> Option<SphereDensity> {
+    ///
+    /// * `weight`: which of the light counts
+    pub fn density(&self, weight: DensityWeight) -> Option<SphereDensity> {
         let luminance = |x: usize, y: usize| Spectrum::from(self.pixels[y * self.width + x]).luminance();
-        SphereDensity::new(self.width, self.height, self.turn, luminance)
+        SphereDensity::new(self.width, self.height, self.turn, luminance, weight)
     }
 }
 
-/// The mean over all directions of a picture's luminance.
-fn mean_luminance(pixels: &[Vec3], width: usize) -> f32 {
+/// The mean over all directions of what a picture's luminance is above a level.
+fn luminance_above(pixels: &[Vec3], width: usize, level: f32) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     let height = (pixels.len() / width.max(1)) as f32;
     for (y, row) in pixels.chunks(width.max(1)).enumerate() {
         let weight = f64::from(fmath::sin(PI * (y as f32 + 0.5) / height));
-        sum += weight * row.iter().map(|&rgb| f64::from(Spectrum::from(rgb).luminance())).sum::<f64>();
+        let above = |&rgb: &Vec3| f64::from((Spectrum::from(rgb).luminance() - level).max(0.0));
+        sum += weight * row.iter().map(above).sum::<f64>();
         weights += weight * row.len() as f64;
     }
     (sum / weights) as f32
+}
+
+/// Which light of a background directions are drawn by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DensityWeight {
+    /// All of it.
+    All,
+    /// What is above the mean over all directions [Karlík et al. 2019, eq. 14].
+    AboveMean,
 }
 
 /// A density over directions that is bilinear between the positions of a grid of longitudes and latitudes.
@@ -164,8 +185,9 @@ impl SphereDensity {
         height: usize,
         turn: f32,
         brightness: impl Fn(usize, usize) -> f32,
+        weight: DensityWeight,
     ) -> Option<SphereDensity> {
-        let values: Vec<f32> = (0..width * height).map(|i| brightness(i % width, i / width)).collect();
+        let mut values: Vec<f32> = (0..width * height).map(|i| brightness(i % width, i / width)).collect();
         let sum: f64 = values.iter().map(|&v| f64::from(v)).sum();
         if sum <= 0.0 {
             return None;
@@ -177,6 +199,15 @@ impl SphereDensity {
             .collect();
         let sines: Vec<f32> =
             (0..height).map(|y| fmath::sin(PI * (y as f32 + 0.5) / height as f32)).collect();
+        if weight == DensityWeight::AboveMean {
+            let all: f64 = sines.iter().map(|&sine| f64::from(sine)).sum();
+            let rows = values.chunks(width).zip(&sines);
+            let sum: f64 = rows
+                .map(|(row, &sine)| f64::from(sine) * row.iter().map(|&v| f64::from(v)).sum::<f64>())
+                .sum();
+            let mean = (sum / (all * width as f64)) as f32;
+            values.iter_mut().for_each(|value| *value = (*value - mean).max(0.0));
+        }
         let node = |x: usize, row: usize| match row {
             pole if pole == 0 || pole > height => 0.0,
             _ => values[(row - 1) * width + x % width].max(least[row - 1]) * sines[row - 1],
@@ -272,14 +303,14 @@ mod tests {
         let pixel = |x, _| [[f32::NAN, 1.0, 0.0], [1.0, -1.0, 0.0]][x as usize];
         let picture = Image::from_fn(2, 1, pixel).unwrap();
         let (map, unusable) = Environment::new(&picture, 1.0, 0.0);
-        assert!(unusable == 2 && map.is_black() && map.density().is_none());
+        assert!(unusable == 2 && map.is_black() && map.density(DensityWeight::All).is_none());
         assert!(map.color(Vec3::X).is_black());
     }
 
     #[test]
     fn directions_follow_their_density() {
         for (i, map) in [sky(0.0), sky(200.0)].iter().enumerate() {
-            let density = map.density().unwrap();
+            let density = map.density(DensityWeight::All).unwrap();
             let drawn = |u: Vec2, _| density.sample(u).map(|(wi, _)| wi);
             let result = sphere::test(100_000, 30 + i as u64, drawn, |wi| density.pdf(wi));
             assert!(result.passes(0.01, 2), "{result:?}");
@@ -300,7 +331,7 @@ mod tests {
         for brightness in [&sun as &dyn Fn(u32, u32) -> f32, &rough] {
             let picture = Image::from_fn(128, 64, |x, y| [brightness(x, y); 3]).unwrap();
             let map = Environment::new(&picture, 1.0, 25.0).0;
-            let density = map.density().unwrap();
+            let density = map.density(DensityWeight::All).unwrap();
             let weights = (0..4000).map(|k| {
                 let s = Stream::new(12, [k, 0], 0);
                 let (wi, pdf) = density.sample(Vec2::new(s.uniform(0), s.uniform(1))).unwrap();
@@ -314,10 +345,31 @@ mod tests {
         }
     }
 
+    /// Three above and one below: the mean is two, and a quarter of the light is above that.
+    #[test]
+    fn what_is_above_the_mean_is_drawn_alone() {
+        let picture = Image::from_fn(64, 32, |_, y| [if y < 16 { 3.0 } else { 1.0 }; 3]).unwrap();
+        let map = Environment::new(&picture, 1.0, 40.0).0;
+        assert!((map.mean_luminance() - 2.0).abs() < 1e-5 && (map.luminance_above_mean() - 0.5).abs() < 1e-5);
+        let [all, above] = [DensityWeight::All, DensityWeight::AboveMean].map(|by| map.density(by).unwrap());
+        let share_above = |density: &SphereDensity| {
+            let draw = |i: u32| {
+                let s = Stream::new(17, [i, 0], 0);
+                density.sample(Vec2::new(s.uniform(0), s.uniform(1))).unwrap().0
+            };
+            (0..4000).filter(|&i| draw(i).y > 0.0).count() as f64 / 4000.0
+        };
+        assert!((share_above(&all) - 0.75).abs() < 0.02 && share_above(&above) > 0.97);
+        // A picture that is the same everywhere is drawn from evenly.
+        let even = Environment::new(&Image::filled(8, 4, &[0.7; 3]).unwrap(), 1.0, 0.0).0;
+        let even = (even.luminance_above_mean(), even.density(DensityWeight::AboveMean).unwrap());
+        assert!(even.0 < 1e-6 && (even.1.pdf(Vec3::X) * 4.0 * PI - 1.0).abs() < 0.1, "{}", even.0);
+    }
+
     #[test]
     fn drawing_by_brightness_finds_the_same_light_with_less_noise() {
         let map = sky(40.0);
-        let density = map.density().unwrap();
+        let density = map.density(DensityWeight::All).unwrap();
         let n = 200_000;
         let value = |d: Vec3| f64::from(map.color(d).luminance());
         let spread = |f: &dyn Fn(u32) -> f64| {
@@ -346,7 +398,7 @@ mod tests {
     fn the_smallest_pictures_have_their_density() {
         for (i, size) in [[1, 1], [1, 5], [7, 1], [2, 2]].into_iter().enumerate() {
             let picture = Image::from_fn(size[0], size[1], |_, _| [0.5; 3]).unwrap();
-            let density = Environment::new(&picture, 1.0, 77.0).0.density().unwrap();
+            let density = Environment::new(&picture, 1.0, 77.0).0.density(DensityWeight::All).unwrap();
             let drawn = |u: Vec2, _| density.sample(u).map(|(wi, _)| wi);
             let result = sphere::test(50_000, 50 + i as u64, drawn, |wi| density.pdf(wi));
             assert!(result.passes(0.01, 4), "{size:?}: {result:?}");
@@ -357,7 +409,7 @@ mod tests {
     fn nothing_that_shines_is_left_out() {
         let sun = |x: u32, y: u32| [if (x, y) == (1000, 3) { 1e9 } else { 1.0 }; 3];
         for map in [sky(0.0), Environment::new(&Image::from_fn(4096, 8, sun).unwrap(), 1.0, 0.0).0] {
-            let density = map.density().unwrap();
+            let density = map.density(DensityWeight::All).unwrap();
             for i in 0..20_000 {
                 let d = uniform(i);
                 assert!(map.color(d).is_black() || density.pdf(d) > 0.0, "{d}");
@@ -369,7 +421,7 @@ mod tests {
     #[test]
     fn densities_are_numbers_everywhere() {
         let map = sky(0.0);
-        let density = map.density().unwrap();
+        let density = map.density(DensityWeight::All).unwrap();
         let seam = [-1e-7, 0.0, 1e-7].map(|x| Vec3::new(x, 0.3, 1.0).normalize());
         for d in [Vec3::Y, Vec3::NEG_Y, Vec3::new(1e-20, 1.0, 0.0), seam[0], seam[1], seam[2]] {
             assert!(density.pdf(d).is_finite() && density.pdf(d) >= 0.0, "{d}");

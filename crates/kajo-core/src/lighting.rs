@@ -130,15 +130,21 @@ impl Scene {
     /// light.
     ///
     /// * `u`: uniform in [0, 1)²
+    /// * `by`: how the light was chosen, which says whether scattering finds its light too
     #[inline]
-    pub fn sample_li(
+    pub fn sample_li<'a>(
         &self,
         light: LightIndex,
         to: &Receiver,
         u: Vec2,
         wavelengths: &Wavelengths,
+        by: impl Into<LightSelection<'a>>,
     ) -> Option<LightLiSample> {
-        self.lighting.lights.sample_li(self.lighting.sampler.id(light), to, u, wavelengths, self)
+        let (lights, id) = (&self.lighting.lights, self.lighting.sampler.id(light));
+        match by.into().is_beside_scattering() {
+            true => lights.sample_li_beside_scattering(id, to, u, wavelengths, self),
+            false => lights.sample_li(id, to, u, wavelengths, self),
+        }
     }
 
     /// Density with which a light is chosen for a receiver and the direction `wi` drawn to it, in the measure of
@@ -154,11 +160,15 @@ impl Scene {
         wi: Vec3,
         by: impl Into<LightSelection<'a>>,
     ) -> f32 {
+        let by = by.into();
         let probability = self.lighting.sampler.pmf(light, to, by);
-        if probability > 0.0 {
-            probability * self.lighting.lights.pdf_li(self.lighting.sampler.id(light), to, at, wi)
-        } else {
-            0.0
+        if probability <= 0.0 {
+            return 0.0;
+        }
+        let (lights, id) = (&self.lighting.lights, self.lighting.sampler.id(light));
+        match by.is_beside_scattering() {
+            true => probability * lights.pdf_li_beside_scattering(id, to, at, wi),
+            false => probability * lights.pdf_li(id, to, at, wi),
         }
     }
 

@@ -332,6 +332,8 @@ pub struct Settings {
     pub gradients: Option<Gradients>,
     /// Whether the records of irradiance are shown in place of the picture.
     pub show_records: Option<bool>,
+    /// The most that a sample brings of light that was scattered; 0 for any amount.
+    pub clamp: Option<f32>,
     /// Distance beyond which nothing occludes.
     pub reach: Option<f32>,
     /// Factors of two by which the picture is made brighter.
@@ -378,11 +380,16 @@ impl Settings {
 
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let numbers =
-            [self.weight, self.accuracy, self.reach, self.exposure, self.merge_radius, self.merge_alpha]
-                .into_iter()
-                .flatten();
-        let mut all = numbers.chain(self.depth_range.into_iter().flatten());
+        let numbers = [
+            self.weight,
+            self.accuracy,
+            self.clamp,
+            self.reach,
+            self.exposure,
+            self.merge_radius,
+            self.merge_alpha,
+        ];
+        let mut all = numbers.into_iter().flatten().chain(self.depth_range.into_iter().flatten());
         all.all(f32::is_finite)
             && self.filter.is_none_or(FilterChoice::is_finite)
             && self.white_balance.is_none_or(|[kelvin, tint]| kelvin.is_finite() && tint.is_finite())
@@ -427,6 +434,7 @@ impl Settings {
             rays: self.rays.or(there.rays),
             gradients: self.gradients.or(there.gradients),
             show_records: self.show_records.or(there.show_records),
+            clamp: self.clamp.or(there.clamp),
             reach: self.reach.or(there.reach),
             exposure: self.exposure.or(there.exposure),
             tone: self.tone.or(there.tone),
@@ -462,6 +470,7 @@ pub enum SettingsKey {
     Rays,
     Gradients,
     ShowRecords,
+    Clamp,
     Reach,
     Shadows,
     ShadowAttenuation,
@@ -470,7 +479,7 @@ pub enum SettingsKey {
 
 impl SettingsKey {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [SettingsKey; 27] = [
+    pub const ALL: [SettingsKey; 28] = [
         SettingsKey::Bounces,
         SettingsKey::Weight,
         SettingsKey::Fresnel,
@@ -494,11 +503,17 @@ impl SettingsKey {
         SettingsKey::Rays,
         SettingsKey::Gradients,
         SettingsKey::ShowRecords,
+        SettingsKey::Clamp,
         SettingsKey::Reach,
         SettingsKey::Shadows,
         SettingsKey::ShadowAttenuation,
         SettingsKey::ShadeBack,
     ];
+
+    /// Whether the film sees to it: then the settings of the integrator do not depend on it.
+    pub const fn is_of_film(self) -> bool {
+        matches!(self, SettingsKey::Clamp)
+    }
 
     /// The key as a scene writes it, if it is set in `settings`: for the warning that it has no effect.
     ///
@@ -529,6 +544,7 @@ impl SettingsKey {
             SettingsKey::Rays => said(settings.rays.is_some(), "rays"),
             SettingsKey::Gradients => said(settings.gradients.is_some(), "gradients"),
             SettingsKey::ShowRecords => said(settings.show_records.is_some(), "showRecords"),
+            SettingsKey::Clamp => said(settings.clamp.is_some(), "clamp"),
             SettingsKey::Reach => said(settings.reach.is_some(), "reach"),
             SettingsKey::Shadows => match settings.shadows? {
                 Shadows::Off => Some("shadows off"),

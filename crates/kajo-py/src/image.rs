@@ -46,6 +46,11 @@ impl Image {
     }
 
     #[getter]
+    fn clamped(&self) -> Option<(f64, f64, f64)> {
+        self.picture.clamped().map(|clamped| clamped.taken.into())
+    }
+
+    #[getter]
     fn rays(&self) -> u64 {
         self.picture.stats.rays.total()
     }

@@ -146,6 +146,9 @@ pub struct Auxiliary {
     pub motion: [f32; 2],
     /// The share of each group of lights in the sample's radiance, linear RGB.
     pub lights: [[f32; 3]; MAX_LIGHT_GROUPS],
+    /// The share of the sample's radiance that emitters send to the camera straight, or by way of smooth mirrors and glass alone, linear
+    /// RGB. Noted for every integrator that follows paths, and kept in no layer.
+    pub seen: [f32; 3],
     /// Rays of the sample that were given up in bodies that bend light: a whole number, those of paths from lights included. Counted where
     /// samples are taken, for every integrator.
     pub lost: f32,

@@ -20,7 +20,9 @@ pub mod trail;
 
 pub use chain_counts::{ChainCounts, LARGEST_R_HAT};
 pub use context::{Auxiliary, SampleContext, Splats};
-pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
+pub use film::{
+    ClampedLight, DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap,
+};
 pub use kajo_core::light::MAX_LIGHT_GROUPS;
 pub use progress::{Progress, Silent};
 pub use ray_counters::RayCounters;

@@ -146,6 +146,11 @@ pub(crate) trait PathObserver: Default {
     /// The current ray finds light.
     fn found(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
 
+    /// The current ray meets light of an emitter: of a surface, of a medium, or from infinitely far away.
+    fn emitter_met(&mut self, light: impl FnOnce() -> [f32; 3]) {
+        self.found(light);
+    }
+
     /// Records a ray from the end of the current one to a known point, with the light that it adds.
     fn joined(
         &mut self,
@@ -187,7 +192,7 @@ pub(crate) struct About {
     pub light: Option<LightId>,
 }
 
-/// Counts the rays of a sample, and may give it up.
+/// Counts the rays of a sample, notes what is seen of emitters, and may give it up.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Counting<'a> {
     /// Rays of the thread so far.
@@ -195,17 +200,23 @@ pub(crate) struct Counting<'a> {
     interrupt: Option<&'a Interrupt<'a>>,
     /// How many rays there were when the interrupt was last asked.
     asked: u64,
+    /// Whether the ray at hand was scattered, or comes from a light.
+    is_scattered: bool,
+    /// Light of emitters that was met by rays which were not, linear RGB.
+    pub seen: [f32; 3],
 }
 
 impl<'a> Counting<'a> {
     /// Goes on with the counters of a context.
     pub fn new(ctx: &SampleContext<'a>) -> Counting<'a> {
-        Counting { rays: ctx.rays, interrupt: ctx.interrupt, asked: ctx.rays.total() }
+        let asked = ctx.rays.total();
+        Counting { rays: ctx.rays, interrupt: ctx.interrupt, asked, ..Counting::default() }
     }
 }
 
 impl PathObserver for Counting<'_> {
-    type Mark = ();
+    /// Whether the ray was scattered.
+    type Mark = bool;
 
     #[inline]
     fn counters(&mut self) -> &mut RayCounters {
@@ -222,10 +233,33 @@ impl PathObserver for Counting<'_> {
     }
 
     #[inline]
-    fn mark(&self) {}
+    fn next(&mut self, kind: RayKind) {
+        self.is_scattered = match kind {
+            RayKind::Camera => false,
+            RayKind::Reflected | RayKind::Transmitted => self.is_scattered,
+            RayKind::Scattered | RayKind::Shadow | RayKind::Light | RayKind::Connection | RayKind::Splat => {
+                true
+            }
+        };
+    }
 
     #[inline]
-    fn back_to(&mut self, (): ()) {}
+    fn emitter_met(&mut self, light: impl FnOnce() -> [f32; 3]) {
+        if !self.is_scattered {
+            let light = light();
+            self.seen = [0, 1, 2].map(|c| self.seen[c] + light[c]);
+        }
+    }
+
+    #[inline]
+    fn mark(&self) -> bool {
+        self.is_scattered
+    }
+
+    #[inline]
+    fn back_to(&mut self, is_scattered: bool) {
+        self.is_scattered = is_scattered;
+    }
 }
 
 /// All rays of one sample, each after the one that it starts from.

@@ -11,7 +11,7 @@ use kajo_core::scene::Scene;
 use kajo_image::{BitDepth, Format, Image, ImageError};
 use kajo_render::integrator::Prepare;
 use kajo_render::{
-    Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
+    ClampedLight, Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
     RenderError as PassError, RenderStats,
 };
 use kajo_scene::in_words;
@@ -499,6 +499,11 @@ impl Picture {
         self.film.r_hat()
     }
 
+    /// What `clamp` has taken away of the light, where that is asked for.
+    pub fn clamped(&self) -> Option<ClampedLight> {
+        self.film.clamped()
+    }
+
     /// What can be saved as a checkpoint: pictures rendered in passes.
     pub fn snapshot(&self) -> Option<Snapshot<'_>> {
         let Picture { film, groups, settings, position, stats, threads, .. } = self;
@@ -527,6 +532,7 @@ pub(crate) fn film_spec(camera: &Camera, settings: &RenderSettings, layers: Laye
     FilmSpec {
         cell,
         filter: settings.filter,
+        clamp: settings.clamp,
         layers,
         shown: settings.crop,
         // Light from emitters may appear anywhere in the picture.

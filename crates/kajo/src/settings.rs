@@ -4,7 +4,7 @@ use kajo_color::Tone;
 use kajo_core::camera::Camera;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{FilterChoice, IntegratorName, MapRules, Rules, Settings};
+use kajo_core::settings::{FilterChoice, IntegratorName, MapRules, Rules, Settings, SettingsKey};
 use kajo_render::integrator::{
     self, Choice, Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext,
 };
@@ -24,6 +24,8 @@ pub struct RenderSettings {
     pub samples: (SamplerKind, u32),
     /// How samples become pixels.
     pub filter: Filter,
+    /// The most that a sample brings of light that was scattered; `None` for any amount. See [`FilmSpec::clamp`](kajo_render::FilmSpec::clamp).
+    pub clamp: Option<f32>,
     /// Seed of every random number.
     pub seed: u64,
     /// How light is followed.
@@ -102,6 +104,7 @@ impl RenderSettings {
             size,
             samples: said.samples.unwrap_or(default_samples),
             filter: film_filter(said.filter.unwrap_or(FilterChoice::None), &scene.output.rules, integrator),
+            clamp: said.clamp.filter(|&limit| limit > 0.0 && integrator.keys.contains(&SettingsKey::Clamp)),
             seed: said.seed.unwrap_or(0),
             integrator,
             why,
@@ -180,6 +183,7 @@ impl RenderSettings {
             integrator: Some(self.integrator.name),
             samples: Some(self.samples),
             tone: Some(self.development.tone),
+            clamp: self.integrator.keys.contains(&SettingsKey::Clamp).then(|| self.clamp.unwrap_or(0.0)),
             ..self.integrator_settings.values()
         }
     }

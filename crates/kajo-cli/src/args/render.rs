@@ -146,6 +146,9 @@ pub struct RenderArgs {
     /// Irradiance caching: shows the irradiance and its records
     #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
     pub show_records: Option<bool>,
+    /// The most that a sample brings of light that was scattered, against fireflies; 0 for any amount
+    #[arg(long, value_name = "RADIANCE", help_heading = "Paths", value_parser = values::not_negative)]
+    pub clamp: Option<f64>,
     /// Occlusion: the distance beyond which nothing hides the light
     #[arg(long, value_name = "DISTANCE", help_heading = "Paths", value_parser = values::positive)]
     pub reach: Option<f64>,
@@ -267,6 +270,7 @@ impl RenderArgs {
             light_choice: self.light_choice,
             caustics: self.caustics,
             roulette: self.roulette,
+            clamp: self.clamp.map(|clamp| clamp as f32),
             reach: self.reach.map(|reach| reach as f32),
             // Development is put over what the scene says once there is a picture.
             exposure: None,

@@ -139,7 +139,10 @@ fn light_blends_as_materials_do() {
         let Some(chosen) = scene.lighting.sampler.sample(&to, 0.5, LightChoice::Uniform) else {
             panic!("no light")
         };
-        let Some(light) = scene.sample_li(chosen.light, &to, u, &Wavelengths::RGB) else { continue };
+        let Some(light) = scene.sample_li(chosen.light, &to, u, &Wavelengths::RGB, LightChoice::Uniform)
+        else {
+            continue;
+        };
         let RayEvent::Surface(at) = scene.trace(&Ray::new(to.p, light.wi)) else { continue };
         if at.point.p.distance(light.at.p()) > 1e-4 {
             continue;

@@ -139,7 +139,9 @@ fn lights_of_moving_operands_are_where_they_are_seen() {
             let choice = LightChoice::Uniform;
             let Some(chosen) = moving.lighting.sampler.sample(&to, s.uniform(2), choice) else { continue };
             let place = Vec2::new(s.uniform(3), s.uniform(4));
-            let Some(light) = moving.sample_li(chosen.light, &to, place, &wavelengths) else { continue };
+            let Some(light) = moving.sample_li(chosen.light, &to, place, &wavelengths, choice) else {
+                continue;
+            };
             drawn += 1;
             // What was drawn is on the surface at that moment, or behind another piece of it.
             let Some(at) = met(&moving, &Ray { time, ..Ray::new(p, light.wi) }) else {

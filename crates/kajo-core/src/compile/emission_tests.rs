@@ -129,7 +129,9 @@ fn places_give_the_light_that_is_seen_of_them() {
                 let to = Receiver { p: 8.0 * Vec3::new(u(1), u(2), u(3)) - 4.0, n: Vec3::ZERO, time };
                 let place = Vec2::new(u(4), u(5));
                 let chosen = scene.lighting.sampler.sample(&to, u(6), LightChoice::Tree);
-                let drawn = chosen.and_then(|it| scene.sample_li(it.light, &to, place, &Wavelengths::RGB));
+                let drawn = chosen.and_then(|it| {
+                    scene.sample_li(it.light, &to, place, &Wavelengths::RGB, LightChoice::Tree)
+                });
                 if let Some(sample) = drawn
                     && let LightPoint::Surface { p, .. } = sample.at
                 {
@@ -157,7 +159,7 @@ fn irradiance(scene: &Scene, p: Vec3) -> [f64; 2] {
         let chosen = scene.lighting.sampler.sample(&to, s.uniform(1), LightChoice::Tree);
         let drawn = chosen.and_then(|chosen| {
             let place = Vec2::new(s.uniform(2), s.uniform(3));
-            let li = scene.sample_li(chosen.light, &to, place, &Wavelengths::RGB)?;
+            let li = scene.sample_li(chosen.light, &to, place, &Wavelengths::RGB, LightChoice::Tree)?;
             // What is on the far side of a body does not arrive.
             let LightPoint::Surface { p: point, .. } = li.at else { return None };
             seen(scene, p, point, to.time)?;

@@ -115,7 +115,7 @@ fn sample_light(
     choice: LightChoice,
 ) -> Option<LightLiSample> {
     let chosen = scene.lighting.sampler.sample(to, u, choice)?;
-    let sample = scene.sample_li(chosen.light, to, place, &Wavelengths::RGB)?;
+    let sample = scene.sample_li(chosen.light, to, place, &Wavelengths::RGB, choice)?;
     Some(LightLiSample { pdf: sample.pdf * chosen.probability, ..sample })
 }
 

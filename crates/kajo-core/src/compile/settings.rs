@@ -171,6 +171,8 @@ keys! {
             .presumed(Constant::Word("occlusion"), "what is known around a record of irradiance"),
         show_records: Option<bool> = flag("showRecords")
             .presumed(Constant::Word("off"), "the irradiance and its records in place of the picture"),
+        clamp: Option<f32> = at_least("clamp", 0.0)
+            .presumed(Constant::Number(0.0), "the most that a sample brings of light that was scattered"),
         reach: Option<f32> = positive("reach")
             .unit("length")
             .unlike("any distance", "1", "distance beyond which nothing occludes"),
@@ -299,6 +301,7 @@ impl From<SettingsKeys> for Settings {
             rays: keys.rays,
             gradients: keys.gradients,
             show_records: keys.show_records,
+            clamp: keys.clamp,
             reach: keys.reach,
             exposure: keys.exposure,
             tone: keys.tone,

@@ -34,8 +34,10 @@ pub(super) fn draws() -> Vec<Draw> {
     let clear = SkyLight::new(Arc::new(Background::Sky(Box::new(sky)))).store(&mut lights);
     list.extend(clear.map(|id| KnownLight { id, power: 0.0, surface: None }));
     let lights = Arc::new(lights);
-    let entries =
-        |(i, light): (usize, &KnownLight)| [leaving(&lights, light.id, i), towards(&lights, light, i)];
+    let entries = |(i, light): (usize, &KnownLight)| {
+        let towards = [false, true].map(|is_beside| towards(&lights, light, i, is_beside));
+        [leaving(&lights, light.id, i)].into_iter().chain(towards)
+    };
     list.iter().enumerate().flat_map(entries).flatten().collect()
 }
 
@@ -64,21 +66,39 @@ fn leaving(lights: &Arc<Lights>, id: LightId, number: usize) -> Option<Draw> {
 }
 
 /// Directions from a receiver to a light that has an extent.
-fn towards(lights: &Arc<Lights>, light: &KnownLight, number: usize) -> Option<Draw> {
+///
+/// * `is_beside`: for paths that find the light by scattering too, which only skies tell apart
+fn towards(lights: &Arc<Lights>, light: &KnownLight, number: usize, is_beside: bool) -> Option<Draw> {
     let KnownLight { id, surface, .. } = *light;
+    if is_beside && !lights.is_background(id) {
+        return None;
+    }
     let to = receiver_of(surface.as_ref());
     let (drawn, dense) = (Arc::clone(lights), Arc::clone(lights));
-    let sample = move |u: Vec2| drawn.sample_li(id, &to, u, &Wavelengths::RGB, &MeanEmission);
+    let sample = move |u: Vec2| match is_beside {
+        true => drawn.sample_li_beside_scattering(id, &to, u, &Wavelengths::RGB, &MeanEmission),
+        false => drawn.sample_li(id, &to, u, &Wavelengths::RGB, &MeanEmission),
+    };
     if sample(Vec2::splat(0.4)).is_none_or(|sample| sample.is_delta) {
         return None;
     }
     Some(Draw {
-        who: who(Lights::kind(id), format!("number {number}, towards a receiver")),
+        who: who(
+            Lights::kind(id),
+            format!(
+                "number {number}, towards a receiver{}",
+                if is_beside { " beside scattering" } else { "" }
+            ),
+        ),
         draw: Box::new(move |u, _| Some(sample(u)?.wi)),
         pdf: Box::new(move |wi| {
             let at_infinity = || vec![LightPoint::Infinite { through: to.p }];
             let points = surface.map_or_else(at_infinity, |surface| surface.points(wi));
-            points.iter().map(|at| dense.pdf_li(id, &to, at, wi)).sum()
+            let pdf = |at| match is_beside {
+                true => dense.pdf_li_beside_scattering(id, &to, at, wi),
+                false => dense.pdf_li(id, &to, at, wi),
+            };
+            points.iter().map(pdf).sum()
         }),
     })
 }
@@ -162,6 +182,11 @@ fn samples_and_densities_for_a_receiver_agree() {
             let rim = sample.at.is_infinite() && again == 0.0;
             let same = (again / sample.pdf - 1.0).abs() < 2e-3;
             assert!(same || rim, "light {i} from {p}: {again} for {}", sample.pdf);
+            let beside =
+                lights.sample_li_beside_scattering(id, &to, u, &Wavelengths::RGB, &MeanEmission).unwrap();
+            let again_beside = lights.pdf_li_beside_scattering(id, &to, &beside.at, beside.wi);
+            let same = (again_beside / beside.pdf - 1.0).abs() < 2e-3;
+            assert!(same || rim, "light {i} from {p}: {again_beside} for {}", beside.pdf);
             assert!(!sample.is_delta || (again, sample.pdf) == (1.0, 1.0), "light {i}");
             let is_point = sample.is_delta && !sample.at.is_infinite();
             assert_eq!(lights.apex(id), is_point.then(|| sample.at.p()), "light {i}");

@@ -35,6 +35,12 @@ pub enum LightSelection<'a> {
 }
 
 impl LightSelection<'_> {
+    /// Whether scattering finds the light too, and both ways count by their densities.
+    #[inline]
+    pub fn is_beside_scattering(self) -> bool {
+        matches!(self, LightSelection::Tree | LightSelection::Learned(_))
+    }
+
     /// The same where scattering finds no light.
     pub fn alone(self) -> Self {
         match self {

@@ -7,8 +7,9 @@
 //! with choices in proportion where both are seen, and where the stronger one is hidden it grows by the factor `1 + sqrt r`, not
 //! `1 + r`.
 //!
-//! A background of one colour is found by scattering as well as by drawing directions, which count by the power heuristic then. What is drawn of
-//! it adds little, and what is not drawn of others adds noise: beside scattering its root counts for a tenth.
+//! What of a background is the same from everywhere is found by scattering as well as by drawing directions, which count by the power heuristic then.
+//! What is drawn of it adds little, and what is not drawn of others adds noise: beside scattering what is above the mean of all directions counts,
+//! and a tenth of the root at least.
 
 use super::SampledLight;
 use super::tree::FirstStep;
@@ -18,9 +19,9 @@ use crate::ids::LightIndex;
 /// Factors of the weights of the background, of directional lights and of the tree that leave them as they are.
 pub(super) const ALIKE: [f32; 3] = [1.0; 3];
 
-/// What the root of an even background counts beside scattering. Under a sun of twice its irradiance the variance of a dense cloud is
+/// What the root of a background counts at least beside scattering. Under a sun of twice its irradiance the variance of a dense cloud is
 /// 0.69 of that with 1 at a third and 0.55 at a tenth, and that of skin 0.65 and 0.55.
-const EVEN_BACKGROUND: f32 = 0.1;
+const LEAST_BACKGROUND: f32 = 0.1;
 
 /// Lights infinitely far away.
 #[derive(Debug, Default)]
@@ -38,11 +39,11 @@ pub(super) struct InfiniteLights {
 
 impl InfiniteLights {
     /// * `lights`: with estimates of their irradiance, in the order of their indices
-    /// * `is_even`: whether the background is of one colour
+    /// * `unevenness`: of the background
     pub fn new(
         lights: impl Iterator<Item = (LightIndex, f32)>,
         background: Option<LightIndex>,
-        is_even: bool,
+        unevenness: f32,
     ) -> InfiniteLights {
         let (mut of_background, mut sum, mut roots) = (0.0, 0.0, 0.0);
         let (mut directional, mut upto) = (Vec::new(), Vec::<f64>::new());
@@ -59,7 +60,7 @@ impl InfiniteLights {
         }
         let upto = upto.iter().map(|root| (root / roots) as f32).collect();
         let weights = [of_background, sum].map(|irradiance| irradiance.sqrt() as f32);
-        let beside_scattering = [if is_even { EVEN_BACKGROUND } else { 1.0 }, 1.0, 1.0];
+        let beside_scattering = [unevenness.sqrt().max(LEAST_BACKGROUND), 1.0, 1.0];
         InfiniteLights { background, directional, upto, weights, beside_scattering }
     }
 

@@ -136,6 +136,23 @@ pub trait Emitter {
     /// * `at`: the point of the light in that direction
     fn pdf_li(&self, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32;
 
+    /// As [`Emitter::sample_li`] for paths that find the light by scattering as well: where that does well enough, other directions are drawn
+    /// more often, which is MIS compensation [Karlík et al. 2019].
+    fn sample_li_beside_scattering<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+        surfaces: &S,
+    ) -> Option<LightLiSample> {
+        self.sample_li(to, u, wavelengths, surfaces)
+    }
+
+    /// Density with which [`Emitter::sample_li_beside_scattering`] draws a direction; as [`Emitter::pdf_li`].
+    fn pdf_li_beside_scattering(&self, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        self.pdf_li(to, at, wi)
+    }
+
     /// A ray of light that leaves; `None` when there is none.
     ///
     /// * `time`: moment within the shutter interval
@@ -161,9 +178,10 @@ pub trait Emitter {
         0.0
     }
 
-    /// Whether its light is the same from all directions.
-    fn is_even(&self) -> bool {
-        false
+    /// For light from everywhere around the scene the share of it that is above its mean over all directions: 0 where it is the same from all. 1 for
+    /// other lights.
+    fn unevenness(&self) -> f32 {
+        1.0
     }
 
     /// The world-space point where all its light comes from, if there is one.
@@ -271,6 +289,10 @@ family! {
         fn sample_li<S: EmissiveSurfaces>(to: &Receiver, u: Vec2, wavelengths: &Wavelengths, surfaces: &S) -> Option<LightLiSample>;
         /// See [`Emitter::pdf_li`].
         fn pdf_li(to: &Receiver, at: &LightPoint, wi: Vec3) -> f32;
+        /// See [`Emitter::sample_li_beside_scattering`].
+        fn sample_li_beside_scattering<S: EmissiveSurfaces>(to: &Receiver, u: Vec2, wavelengths: &Wavelengths, surfaces: &S) -> Option<LightLiSample>;
+        /// See [`Emitter::pdf_li_beside_scattering`].
+        fn pdf_li_beside_scattering(to: &Receiver, at: &LightPoint, wi: Vec3) -> f32;
         /// See [`Emitter::sample_le`].
         fn sample_le<S: EmissiveSurfaces>(time: f32, u: LeNumbers, wavelengths: &Wavelengths, world: &BoundingSphere, surfaces: &S) -> Option<LightLeSample>;
         /// See [`Emitter::pdf_le`].
@@ -279,8 +301,8 @@ family! {
         fn bounds() -> Option<LightBounds>;
         /// See [`Emitter::irradiance`].
         fn irradiance() -> f32;
-        /// See [`Emitter::is_even`].
-        fn is_even() -> bool;
+        /// See [`Emitter::unevenness`].
+        fn unevenness() -> f32;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
         /// See [`Emitter::is_surface`].

@@ -69,8 +69,8 @@ impl LightSampler {
         let is_infinite = |light: &LightIndex| bounds[light.index()].is_none();
         let irradiances =
             all().filter(is_infinite).map(|light| (light, lights.irradiance(list[light.index()])));
-        let is_even = background.is_some_and(|light| lights.is_even(list[light.index()]));
-        let infinite = InfiniteLights::new(irradiances, background, is_even);
+        let unevenness = background.map_or(1.0, |light| lights.unevenness(list[light.index()]));
+        let infinite = InfiniteLights::new(irradiances, background, unevenness);
         let choosable = all().filter(is_infinite).chain(all().filter(|&light| tree.has(light))).collect();
         let elsewhere = elsewhere.to_vec();
         LightSampler { list, groups, first_area, at_infinity, tree, infinite, choosable, elsewhere }

@@ -7,6 +7,9 @@
 //! p = s p_sun + (1 - s) p_sky
 //! ```
 //!
+//! Where scattering finds the light too, directions are drawn in proportion to what is above the mean of all directions only, as far as there is any
+//! [Karlík et al. 2019]: the rest is found well by scattering.
+//!
 //! Stars have a density of their own, which is mixed with that of what is behind them in proportion to the power of both.
 
 use std::f32::consts::PI;
@@ -23,15 +26,17 @@ use super::{
 use crate::background::Background;
 use crate::daylight::Sun;
 use crate::differential::SkyFootprint;
-use crate::environment::SphereDensity;
+use crate::environment::{DensityWeight, SphereDensity};
 use crate::star_field::StarField;
 
 /// Light from everywhere around the scene.
 #[derive(Clone, Debug)]
 pub struct SkyLight {
     background: Arc<Background>,
-    /// Made when it is first asked for.
+    /// By all light; made when it is first asked for.
     density: OnceLock<SkyDensity>,
+    /// By what is above the mean; made when it is first asked for.
+    above_mean: OnceLock<SkyDensity>,
     /// The share of directions that go to the sun.
     sun_share: f32,
 }
@@ -50,7 +55,7 @@ enum SkyDensity {
 }
 
 impl SkyDensity {
-    fn of(background: &Background) -> SkyDensity {
+    fn of(background: &Background, weight: DensityWeight) -> SkyDensity {
         /// Neither stars nor what is behind them may be forgotten.
         const LEAST: f32 = 0.02;
         match background {
@@ -58,10 +63,10 @@ impl SkyDensity {
                 let [own, other] = [stars.mean_luminance(), behind.mean_luminance()];
                 let share =
                     if behind.is_black() { 1.0 } else { (own / (own + other)).clamp(LEAST, 1.0 - LEAST) };
-                let behind = Box::new(SkyDensity::of(behind));
+                let behind = Box::new(SkyDensity::of(behind, weight));
                 SkyDensity::Starry { share, stars: Arc::clone(stars), behind }
             }
-            _ => background.density().map_or(SkyDensity::Uniform, SkyDensity::Picture),
+            _ => background.density(weight).map_or(SkyDensity::Uniform, SkyDensity::Picture),
         }
     }
 
@@ -98,18 +103,25 @@ impl SkyLight {
     /// The light of a background.
     pub fn new(background: Arc<Background>) -> SkyLight {
         let sun_share = background.sun().map_or(0.0, |(_, share)| share);
-        SkyLight { density: OnceLock::new(), sun_share, background }
+        SkyLight { density: OnceLock::new(), above_mean: OnceLock::new(), sun_share, background }
     }
 
     #[inline]
     fn density(&self) -> &SkyDensity {
-        self.density.get_or_init(|| SkyDensity::of(&self.background))
+        self.density.get_or_init(|| SkyDensity::of(&self.background, DensityWeight::All))
+    }
+
+    #[inline]
+    fn above_mean(&self) -> &SkyDensity {
+        self.above_mean.get_or_init(|| SkyDensity::of(&self.background, DensityWeight::AboveMean))
     }
 
     /// Density per solid angle with which the unit direction `wi` is drawn.
+    ///
+    /// * `density`: of the directions that do not go to the sun
     #[inline]
-    fn pdf(&self, wi: Vec3) -> f32 {
-        let sky = self.density().pdf(wi);
+    fn pdf(&self, density: &SkyDensity, wi: Vec3) -> f32 {
+        let sky = density.pdf(wi);
         match self.background.sun() {
             Some((sun, _)) if sun.disc().covers(wi) => {
                 (1.0 - self.sun_share) * sky + self.sun_share / Sun::SOLID_ANGLE
@@ -120,16 +132,31 @@ impl SkyLight {
 
     /// A unit direction and its density per solid angle.
     #[inline]
-    fn draw(&self, u: Vec2) -> Option<(Vec3, f32)> {
+    fn draw(&self, density: &SkyDensity, u: Vec2) -> Option<(Vec3, f32)> {
         if let Some((sun, share)) = self.background.sun()
             && u.x < share
         {
             let wi = sun.disc().draw(Vec2::new(u.x / share, u.y));
-            return Some((wi, self.pdf(wi)));
+            return Some((wi, self.pdf(density, wi)));
         }
         let u = Vec2::new((u.x - self.sun_share) / (1.0 - self.sun_share), u.y);
-        let (wi, pdf) = self.density().sample(u)?;
-        Some((wi, if self.sun_share > 0.0 { self.pdf(wi) } else { pdf }))
+        let (wi, pdf) = density.sample(u)?;
+        Some((wi, if self.sun_share > 0.0 { self.pdf(density, wi) } else { pdf }))
+    }
+
+    /// Light for a receiver from a direction drawn by one of the two densities.
+    #[inline]
+    fn li_by(
+        &self,
+        density: &SkyDensity,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+    ) -> Option<LightLiSample> {
+        let (wi, pdf) = self.draw(density, u)?;
+        let radiance = self.background.radiance(wi, wavelengths);
+        let at = LightPoint::Infinite { through: to.p };
+        Some(LightLiSample { wi, radiance, pdf, is_delta: false, at })
     }
 }
 
@@ -151,15 +178,28 @@ impl Emitter for SkyLight {
         wavelengths: &Wavelengths,
         _surfaces: &S,
     ) -> Option<LightLiSample> {
-        let (wi, pdf) = self.draw(u)?;
-        let radiance = self.background.radiance(wi, wavelengths);
-        let at = LightPoint::Infinite { through: to.p };
-        Some(LightLiSample { wi, radiance, pdf, is_delta: false, at })
+        self.li_by(self.density(), to, u, wavelengths)
     }
 
     #[inline]
     fn pdf_li(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
-        if at.is_infinite() { self.pdf(wi) } else { 0.0 }
+        if at.is_infinite() { self.pdf(self.density(), wi) } else { 0.0 }
+    }
+
+    #[inline]
+    fn sample_li_beside_scattering<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+        _surfaces: &S,
+    ) -> Option<LightLiSample> {
+        self.li_by(self.above_mean(), to, u, wavelengths)
+    }
+
+    #[inline]
+    fn pdf_li_beside_scattering(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        if at.is_infinite() { self.pdf(self.above_mean(), wi) } else { 0.0 }
     }
 
     fn is_pointlike(&self) -> bool {
@@ -178,8 +218,9 @@ impl Emitter for SkyLight {
         PI * self.background.mean_luminance()
     }
 
-    fn is_even(&self) -> bool {
-        matches!(*self.background, Background::Constant { .. })
+    fn unevenness(&self) -> f32 {
+        let mean = self.background.mean_luminance();
+        if mean > 0.0 { (self.background.luminance_above_mean() / mean).clamp(0.0, 1.0) } else { 0.0 }
     }
 
     fn sample_le<S: EmissiveSurfaces>(
@@ -190,7 +231,7 @@ impl Emitter for SkyLight {
         world: &BoundingSphere,
         _surfaces: &S,
     ) -> Option<LightLeSample> {
-        let (wi, pdf) = self.draw(u.direction)?;
+        let (wi, pdf) = self.draw(self.density(), u.direction)?;
         Some(LightLeSample {
             at: LightPoint::Infinite { through: world.sample_disk(u.position, -wi) },
             d: -wi,
@@ -202,7 +243,7 @@ impl Emitter for SkyLight {
     }
 
     fn pdf_le(&self, _time: f32, at: &LightPoint, d: Vec3, world: &BoundingSphere) -> EmissionPdf {
-        let direction = if at.is_infinite() { self.pdf(-d) } else { 0.0 };
+        let direction = if at.is_infinite() { self.pdf(self.density(), -d) } else { 0.0 };
         EmissionPdf { position: world.pdf_disk(at.p(), d), direction }
     }
 
@@ -229,7 +270,7 @@ impl Emitter for SkyLight {
         }
         let sample = |i: u32| {
             let u = Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
-            let sample = self.draw(u);
+            let sample = self.draw(self.density(), u);
             sample.map_or(0.0, |(wi, pdf)| self.background.radiance(wi, &Wavelengths::RGB).luminance() / pdf)
         };
         world.cross_section() * (0..SIDE * SIDE).map(sample).sum::<f32>() / (SIDE * SIDE) as f32
@@ -268,11 +309,11 @@ mod tests {
             let (mut sum, mut densities) = (0.0, 0.0);
             for i in 0..SIDE * SIDE {
                 let u = Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
-                let Some((wi, pdf)) = sky.draw(u) else { continue };
-                assert_eq!(sky.pdf(wi), pdf, "{wi}");
+                let Some((wi, pdf)) = sky.draw(sky.density(), u) else { continue };
+                assert_eq!(sky.pdf(sky.density(), wi), pdf, "{wi}");
                 let luminance = sky.background.radiance(wi, &Wavelengths::RGB).luminance();
                 sum += f64::from(luminance / pdf);
-                densities += f64::from(4.0 * PI * sky.pdf(warp::uniform_sphere(u)));
+                densities += f64::from(4.0 * PI * sky.pdf(sky.density(), warp::uniform_sphere(u)));
             }
             let n = f64::from(SIDE * SIDE);
             assert!((sum / n / expected - 1.0).abs() < 0.02, "{grey}: {} for {expected}", sum / n);

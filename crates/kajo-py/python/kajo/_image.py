@@ -54,6 +54,11 @@ class Image:
         return self._native.r_hat
 
     @property
+    def clamped(self) -> tuple[float, float, float] | None:
+        """The share of the red, green and blue light that `clamp` has taken away, each from 0 to 1; None without a limit."""
+        return self._native.clamped
+
+    @property
     def rays(self) -> int:
         """Rays that were cast."""
         return self._native.rays

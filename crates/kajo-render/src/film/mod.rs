@@ -13,6 +13,7 @@
 //! A film is a grid of blocks, each behind a lock of its own and made when the first part reaches it.
 //! Threads work far apart, so they hardly ever meet at one.
 
+pub mod clamp;
 pub mod filter;
 pub mod fixed;
 pub mod layer;
@@ -32,6 +33,8 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
+use clamp::ClampSums;
+pub use clamp::ClampedLight;
 pub use filter::Filter;
 use kajo_image::Image;
 pub use layer::{DepthMap, Layer, LayerSet, NormalMap};
@@ -64,6 +67,8 @@ pub struct Film {
     non_finite: AtomicU64,
     /// Where Markov chains were.
     chains: Mutex<ChainCounts>,
+    /// Light above the limit on samples.
+    clamped: Mutex<ClampSums>,
 }
 
 /// What a film holds of one cell of its grid.
@@ -104,7 +109,8 @@ impl Film {
             .map_err(|_| FilmError::OutOfMemory { needed: spec.bytes() as f64 / 1e6 })?;
         blocks.resize_with(count, Mutex::default);
         let (samples, non_finite) = (AtomicU64::new(0), AtomicU64::new(0));
-        Ok(Film { spec, grid, blocks, samples, non_finite, chains: Mutex::default() })
+        let (chains, clamped) = (Mutex::default(), Mutex::default());
+        Ok(Film { spec, grid, blocks, samples, non_finite, chains, clamped })
     }
 
     /// What the film holds.
@@ -130,6 +136,15 @@ impl Film {
     /// How far groups of Markov chains are from agreeing; see [`ChainCounts::r_hat`].
     pub fn r_hat(&self) -> Option<f64> {
         self.chains().r_hat()
+    }
+
+    /// What the limit on samples has taken away; `None` without one.
+    pub fn clamped(&self) -> Option<ClampedLight> {
+        self.spec.clamp.map(|limit| self.clamp_sums().light(limit))
+    }
+
+    fn clamp_sums(&self) -> MutexGuard<'_, ClampSums> {
+        self.clamped.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn chains(&self) -> MutexGuard<'_, ChainCounts> {
@@ -173,8 +188,11 @@ impl Film {
                 }
             }
         }
-        let mut taps = Taps::default();
-        part.splats.as_slice().iter().for_each(|splat| self.add_splat(splat, &mut taps));
+        let (mut taps, mut clamped) = (Taps::default(), part.clamped);
+        part.splats.as_slice().iter().for_each(|splat| self.add_splat(splat, &mut taps, &mut clamped));
+        if self.spec.clamp.is_some() {
+            self.clamp_sums().absorb(&clamped);
+        }
     }
 
     /// Adds all that another film of the same kind holds, splats too. The sum does not depend on the order in which
@@ -192,6 +210,7 @@ impl Film {
         self.samples.fetch_add(other.samples(), Ordering::Relaxed);
         self.non_finite.fetch_add(other.non_finite(), Ordering::Relaxed);
         self.chains().absorb(&other.chains());
+        self.clamp_sums().absorb(&other.clamp_sums());
         for (mine, other) in self.blocks.iter().zip(other.blocks) {
             let mut mine = mine.lock().unwrap_or_else(PoisonError::into_inner);
             let other = other.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -210,8 +229,13 @@ impl Film {
         Ok(())
     }
 
-    fn add_splat(&self, splat: &Splat, taps: &mut Taps) {
-        let terms = splat.value.map(Term::new);
+    fn add_splat(&self, splat: &Splat, taps: &mut Taps, clamped: &mut ClampSums) {
+        let pixel = part::pixel_at(&self.spec, splat.raster);
+        let value = match (self.spec.clamp, pixel) {
+            (Some(limit), Some(_)) => clamped.limited(limit, splat.value, [0.0; 3]),
+            _ => splat.value,
+        };
+        let terms = value.map(Term::new);
         if terms.contains(&None) || !splat.raster.is_finite() {
             self.non_finite.fetch_add(1, Ordering::Relaxed);
         }
@@ -225,7 +249,7 @@ impl Film {
         part::splat(&self.spec, splat.raster, taps, |x, y, weight| {
             to_pixel(x, y, &mut |sums| sums.add(x, y, weight, &terms));
         });
-        if let Some([x, y]) = part::pixel_at(&self.spec, splat.raster).filter(|_| spreads) {
+        if let Some([x, y]) = pixel.filter(|_| spreads) {
             to_pixel(x, y, &mut |sums| sums.add_square(x, y, &terms));
         }
     }

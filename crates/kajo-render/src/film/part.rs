@@ -8,6 +8,7 @@ use kajo_core::sampler::Sampler;
 use kajo_math::Vec2;
 
 use super::{
+    clamp::ClampSums,
     fixed::{Term, Weight},
     pixels::Pixels,
     reach::Reach,
@@ -28,6 +29,8 @@ pub struct FilmPart {
     pub(crate) splats: Splats,
     /// Where Markov chains were.
     pub(crate) chains: ChainCounts,
+    /// Light above the limit on samples.
+    pub(crate) clamped: ClampSums,
     /// Samples taken.
     pub(crate) samples: u64,
     /// Samples with values that were not finite numbers.
@@ -57,6 +60,7 @@ impl FilmPart {
             store: if single { Store::Pixels(Pixels::empty()) } else { Store::Sums(Sums::empty(spec)) },
             splats: Splats::default(),
             chains: ChainCounts::default(),
+            clamped: ClampSums::default(),
             samples: 0,
             non_finite: 0,
             values: [0.0; MAX_CHANNELS],
@@ -82,6 +86,7 @@ impl FilmPart {
         }
         self.splats.clear();
         self.chains.clear();
+        self.clamped = ClampSums::default();
         self.samples = 0;
         self.non_finite = 0;
     }
@@ -108,6 +113,18 @@ impl FilmPart {
     /// A value that is no finite number counts as zero, and the sample is counted as such.
     #[inline]
     pub fn add(&mut self, x: u32, y: u32, k: u32, offset: Vec2, sample: &PixelSample, aux: &Auxiliary) {
+        match self.spec.clamp {
+            None => self.add_whole([x, y], k, offset, sample, aux),
+            Some(limit) => {
+                let (sample, aux) = self.clamped.limit_sample(limit, sample, aux);
+                self.add_whole([x, y], k, offset, &sample, &aux);
+            }
+        }
+    }
+
+    /// Adds a sample with all of its light.
+    #[inline]
+    fn add_whole(&mut self, [x, y]: [u32; 2], k: u32, offset: Vec2, sample: &PixelSample, aux: &Auxiliary) {
         let n = filtered_values(&self.spec, sample, aux, &mut self.values);
         let values = &self.values[..n];
         let finite = match (&mut self.store, self.reach) {

@@ -29,6 +29,9 @@ pub struct FilmSpec {
     pub cell: Option<[u32; 2]>,
     /// How samples are spread over pixels.
     pub filter: Filter,
+    /// The most that a sample brings of light that was scattered, the largest of red, green and blue, above zero; `None` for any
+    /// amount. See [`clamp`](super::clamp).
+    pub clamp: Option<f32>,
     /// What to record.
     pub layers: LayerSet,
     /// Scale of [`Layer::DepthMap`].
@@ -59,6 +62,7 @@ impl FilmSpec {
             height,
             cell: None,
             filter: Filter::None,
+            clamp: None,
             layers: LayerSet::of(&[Layer::Color]),
             depth_map: DepthMap::default(),
             normal_map: NormalMap::default(),

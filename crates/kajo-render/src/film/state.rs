@@ -1,7 +1,7 @@
 //! A film as bytes, for checkpoints.
 //!
-//! First numbers of samples, and a byte that is 1 when Markov chains have counted, with their counts. Then for each
-//! block, row by row: what camera rays brought, after a byte that is 1 when there is something, and the splats
+//! First numbers of samples, and a byte that is 1 when Markov chains have counted, with their counts; where samples are
+//! limited, the sums of what that took. Then for each block, row by row: what camera rays brought, after a byte that is 1 when there is something, and the splats
 //! likewise. Sums are written in the least number of bytes that holds all numbers of an array, little-endian, after a
 //! byte with that number. How long an array is follows from the [`FilmSpec`], so that nothing is allocated by what a
 //! file says.
@@ -13,7 +13,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
 use super::numbers::{bytes, flag, invalid, restore_array, save_numbers};
-use super::{Block, Camera, Film, FilmError, FilmSpec, Layer, splats::SplatSums, sums::Sums};
+use super::{Block, Camera, ClampSums, Film, FilmError, FilmSpec, Layer, splats::SplatSums, sums::Sums};
 use crate::ChainCounts;
 
 /// Blocks that a thread makes into bytes before it hands these over.
@@ -39,6 +39,11 @@ impl Film {
         out.write_all(&self.samples().to_le_bytes())?;
         out.write_all(&self.non_finite().to_le_bytes())?;
         out.write_all(&saved_chains(&self.chains()))?;
+        if self.spec.clamp.is_some() {
+            let mut sums = Vec::new();
+            self.clamp_sums().save(&mut sums);
+            out.write_all(&sums)?;
+        }
         let runs = self.blocks.len().div_ceil(RUN);
         let cores = || thread::available_parallelism().map_or(1, |n| n.get());
         let encoders = match threads {
@@ -90,6 +95,9 @@ impl Film {
         }
         if flag(input)? {
             restore_array(film.chains().numbers_mut(), input)?;
+        }
+        if spec.clamp.is_some() {
+            *film.clamp_sums() = ClampSums::restore(input)?;
         }
         for row in 0..film.grid.rows() {
             for column in 0..film.grid.columns() {

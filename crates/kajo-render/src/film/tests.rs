@@ -371,6 +371,36 @@ fn a_single_bad_value_is_black_and_counted() {
     assert_eq!(film.develop(Layer::Depth).expect("depth").data()[1], f32::INFINITY);
 }
 
+/// Samples and splats above a limit are cut alike in whatever parts they come, and what that took goes on from a saved film.
+#[test]
+fn what_a_limit_takes_does_not_depend_on_parts() {
+    let sampler = sampler(SamplerKind::Sobol, 4);
+    for filter in [Filter::None, Filter::MITCHELL] {
+        let spec = FilmSpec { clamp: Some(500.0), ..all_layers(20, 12, filter) };
+        let (whole, parts) = (film(spec), film(spec));
+        whole.merge(&random_part(&spec, &sampler, spec.rect(), 0..4)).expect("a part of this film");
+        for samples in [2..4, 0..2] {
+            for x0 in [10, 0] {
+                let tile = Rect { x0, y0: 0, x1: x0 + 10, y1: 12 };
+                parts
+                    .merge(&random_part(&spec, &sampler, tile, samples.clone()))
+                    .expect("a part of this film");
+            }
+        }
+        let clamped = whole.clamped().expect("a limit");
+        assert!(clamped.count > 500 && clamped.taken[1] > 0.9 && clamped.taken[2] > 0.0, "{clamped:?}");
+        assert_eq!((bits(&parts), parts.clamped()), (bits(&whole), Some(clamped)));
+        let mut saved = Vec::new();
+        parts.save(1, &mut saved).expect("saved");
+        let restored = Film::restore(spec, u64::MAX, &mut saved.as_slice()).expect("restored");
+        assert_eq!((bits(&restored), restored.clamped()), (bits(&whole), Some(clamped)));
+        let other = film(spec);
+        other.merge(&random_part(&spec, &sampler, spec.rect(), 0..4)).expect("a part of this film");
+        restored.absorb(other).expect("a film of this kind");
+        assert_eq!(restored.clamped().map(|light| light.count), Some(2 * clamped.count));
+    }
+}
+
 #[test]
 fn variance_is_that_of_the_mean() {
     let spec = FilmSpec { layers: LayerSet::of(&[Layer::Variance]), ..FilmSpec::new(3, 1) };

@@ -180,7 +180,7 @@ impl<I: Integrator> PixelIntegrator for I {
     fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
         let mut counting = Counting::new(ctx);
         let sample = self.observe(ctx, pixel, raster, &mut counting);
-        ctx.rays = counting.rays;
+        (ctx.rays, ctx.aux.seen) = (counting.rays, counting.seen);
         sample
     }
 
@@ -204,6 +204,8 @@ impl<I: Integrator> PixelIntegrator for I {
 
 #[cfg(test)]
 mod choice_tests;
+#[cfg(test)]
+mod clamp_tests;
 #[cfg(test)]
 mod flat_tests;
 #[cfg(test)]

@@ -147,6 +147,12 @@ fn path_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings)
                 ui.add(Slider::new(samples, 1..=1024).logarithmic(true))
             });
         }
+        SettingsKey::Clamp => {
+            let hint = "The most that a sample brings of light that was scattered, against fireflies; 0 for any amount";
+            known(ui, ["Clamp", hint], &mut asked.clamp, now.clamp, |ui, clamp| {
+                ui.add(DragValue::new(clamp).range(0.0..=f32::MAX).speed(0.1).max_decimals(3))
+            });
+        }
         _ => photon_row(ui, key, asked, now),
     }
 }

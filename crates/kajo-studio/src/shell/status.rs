@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use egui::{Align, Id, Label, Layout, RichText, Ui};
-use kajo::LARGEST_R_HAT;
 use kajo::session::Status;
+use kajo::{ClampedLight, LARGEST_R_HAT};
 
 use super::theme;
 use crate::state::{Shown, Studio};
@@ -66,6 +66,13 @@ fn trace(ui: &mut Ui, studio: &Studio) {
     if let Some(r_hat) = frame.r_hat().filter(|_| frame.samples() > 0) {
         chains(ui, r_hat);
     }
+    if let Some(clamped) = frame.clamped() {
+        ui.label(RichText::new(of_clamp(&clamped)).color(theme::quiet(ui))).on_hover_text(format!(
+            "{} samples brought more scattered light than {}, the limit of `clamp`. The picture is darker by what was taken away.",
+            clamped.count, clamped.limit
+        ));
+        ui.separator();
+    }
     match studio.tracer.status() {
         Status::Running { progress } => {
             ui.add(
@@ -98,6 +105,12 @@ fn chains(ui: &mut Ui, r_hat: f64) {
          too bright or too dark, even where it looks clean; more samples help.",
     );
     ui.separator();
+}
+
+/// The largest share of red, green and blue that was taken away.
+fn of_clamp(clamped: &ClampedLight) -> String {
+    let share = clamped.taken.into_iter().fold(0.0, f64::max);
+    format!("clamp takes {:.2} %", 100.0 * share)
 }
 
 fn of_chains(r_hat: f64) -> String {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use kajo_image::{BitDepth, Format, Image, ImageError};
-use kajo_render::{Film, Layer, RenderStats};
+use kajo_render::{ClampedLight, Film, Layer, RenderStats};
 
 use crate::view::{self, Look};
 use crate::{Development, RenderSettings, View};
@@ -19,6 +19,7 @@ pub struct Frame {
     groups: Arc<[String]>,
     light: Image,
     r_hat: Option<f64>,
+    clamped: Option<ClampedLight>,
     settings: RenderSettings,
     full_size: [u32; 2],
     samples: u32,
@@ -37,8 +38,8 @@ impl Frame {
         stats: RenderStats,
     ) -> Option<Frame> {
         let light = film.develop(Layer::Color)?;
-        let r_hat = film.r_hat();
-        Some(Frame { job, film, groups, light, r_hat, settings, full_size, samples, stats })
+        let (r_hat, clamped) = (film.r_hat(), film.clamped());
+        Some(Frame { job, film, groups, light, r_hat, clamped, settings, full_size, samples, stats })
     }
 
     /// The number of the job it belongs to; see [`super::Session::start`].
@@ -85,6 +86,11 @@ impl Frame {
     /// How far groups of Markov chains are from agreeing, where there are any; see [`Picture::r_hat`](crate::Picture::r_hat).
     pub fn r_hat(&self) -> Option<f64> {
         self.r_hat
+    }
+
+    /// What `clamp` has taken away of the light, where that is asked for; see [`Picture::clamped`](crate::Picture::clamped).
+    pub fn clamped(&self) -> Option<ClampedLight> {
+        self.clamped
     }
 
     /// How it was rendered.

@@ -96,6 +96,7 @@ mod tests {
                 "lightChoice uniform",
                 "path direct distribution bidirectional irradiance photon sppm mlt mmlt vcm",
             ),
+            ("clamp 2", "path direct distribution bidirectional irradiance light photon sppm vcm"),
             ("reach 2", "occlusion"),
         ] {
             for name in integrator::NAMES {

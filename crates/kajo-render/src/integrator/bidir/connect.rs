@@ -340,7 +340,8 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let receiver = Receiver { p: o, n: Vec3::ZERO, time };
         let chosen = scene.lighting.sampler.sample(&receiver, u.x, self.settings.light_choice)?;
         let SampledLight { light, probability, .. } = chosen;
-        let li = scene.sample_li(light, &receiver, chosen.pair(u), wavelengths)?;
+        let li =
+            scene.sample_li(light, &receiver, chosen.pair(u), wavelengths, self.settings.light_choice)?;
         // No ray of the camera hits a light without extent, which is therefore left out of pictures.
         if li.is_delta || li.radiance.is_black() {
             return None;

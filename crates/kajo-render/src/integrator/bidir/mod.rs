@@ -431,7 +431,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         let (is_last, hits) = (*t == self.longest(), carried.techniques.has(0, *t));
         let mut hit = |light: Contribution, observer: &mut O| {
             if hits {
-                observer.found(|| light.value(wavelengths));
+                observer.emitter_met(|| light.value(wavelengths));
                 found(light, wavelengths);
             }
         };

@@ -44,7 +44,13 @@ pub const BIDIRECTIONAL: IntegratorSpec = IntegratorSpec {
     quantity: Quantity::Radiance,
     splats: true,
     samples: 64,
-    keys: &[SettingsKey::Bounces, SettingsKey::LightChoice, SettingsKey::Roulette, SettingsKey::Spectral],
+    keys: &[
+        SettingsKey::Bounces,
+        SettingsKey::LightChoice,
+        SettingsKey::Roulette,
+        SettingsKey::Clamp,
+        SettingsKey::Spectral,
+    ],
     settings: |context| {
         let default = BidirectionalSettings::default();
         let light_choice = context.said.light_choice.unwrap_or(default.light_choice);
@@ -57,7 +63,7 @@ pub const LIGHT: IntegratorSpec = IntegratorSpec {
     name: IntegratorName("light"),
     about: "paths from lights alone",
     // No light is ever chosen for a point.
-    keys: &[SettingsKey::Bounces, SettingsKey::Roulette, SettingsKey::Spectral],
+    keys: &[SettingsKey::Bounces, SettingsKey::Roulette, SettingsKey::Clamp, SettingsKey::Spectral],
     settings: |context| {
         let default = BidirectionalSettings { only_from_lights: true, ..BidirectionalSettings::default() };
         IntegratorSettings::Bidirectional(said(context, default))

@@ -67,6 +67,7 @@ pub const IRRADIANCE: IntegratorSpec = IntegratorSpec {
         SettingsKey::ShowRecords,
         SettingsKey::LightChoice,
         SettingsKey::Roulette,
+        SettingsKey::Clamp,
     ],
     settings: |context| {
         let (said, default) = (context.said, IrradianceSettings::default());

@@ -26,7 +26,7 @@ use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::camera::Camera;
 use kajo_core::ids::FrameId;
 use kajo_core::interaction::SurfacePoint;
-use kajo_core::light::{LightHit, LightPoint, MAX_LIGHT_GROUPS, Receiver};
+use kajo_core::light::{LightHit, LightPoint, LightSelection, MAX_LIGHT_GROUPS, Receiver};
 use kajo_core::scene::{Interaction, LightRay, Relativity, Scene};
 use kajo_core::settings::{Directions, Technique};
 use kajo_core::{LightGroup, LightIndex};
@@ -367,12 +367,13 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let vertex = Vertex { frame: path.frame, t: path.t };
         let (to, _) = receiver_in(all, &own, vertex, frame);
         let chosen = scene.lights_of(frame).sample(&to, u.x, self.integrator.settings.light_selection())?;
-        let mut li = scene.sample_li(chosen.light, &to, chosen.pair(u), &state.wavelengths)?;
+        let (u, alone) = (chosen.pair(u), LightSelection::TreeAlone);
+        let mut li = scene.sample_li(chosen.light, &to, u, &state.wavelengths, alone)?;
         let seen = all.light(li.wi.as_dvec3(), frame, path.frame).as_vec3();
         let doppler = seen.length();
         if frame != path.frame && state.wavelengths.is_spectral() {
             // The same position on the emitter, at the wavelengths that it sends there.
-            li = scene.sample_li(chosen.light, &to, chosen.pair(u), &state.wavelengths.shifted(doppler))?;
+            li = scene.sample_li(chosen.light, &to, u, &state.wavelengths.shifted(doppler), alone)?;
         }
         let wi = seen / doppler;
         let factor = match frame == path.frame {
@@ -499,7 +500,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
 
     /// Adds light that the path has hit.
     fn add_hit(&mut self, path: &FramePath<'_>, light: Spectrum, group: LightGroup) {
-        self.observer.found(|| sensor::to_rgb(light, &path.path.state.wavelengths));
+        self.observer.emitter_met(|| sensor::to_rgb(light, &path.path.state.wavelengths));
         self.add(path, light, group);
     }
 

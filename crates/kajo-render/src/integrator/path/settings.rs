@@ -85,10 +85,10 @@ pub const PATH: IntegratorSpec = IntegratorSpec {
     splats: false,
     samples: PATH_SAMPLES,
     keys: &{
-        let [bounces, technique, directions, light_choice, roulette, spectral] = KEYS;
+        let [bounces, technique, directions, light_choice, roulette, clamp, spectral] = KEYS;
         let [caustics, guiding, training] =
             [SettingsKey::Caustics, SettingsKey::Guiding, SettingsKey::Training];
-        [bounces, technique, directions, light_choice, caustics, roulette, spectral, guiding, training]
+        [bounces, technique, directions, light_choice, caustics, roulette, clamp, spectral, guiding, training]
     },
     settings: |context| {
         let path = PathSettings::default();
@@ -129,8 +129,8 @@ pub const DISTRIBUTION: IntegratorSpec = IntegratorSpec {
     about: "many rays from the first surface that is no mirror",
     samples: 16,
     keys: &{
-        let [bounces, technique, directions, light_choice, roulette, spectral] = KEYS;
-        [bounces, technique, directions, light_choice, roulette, spectral, SettingsKey::Branches]
+        let [bounces, technique, directions, light_choice, roulette, clamp, spectral] = KEYS;
+        [bounces, technique, directions, light_choice, roulette, clamp, spectral, SettingsKey::Branches]
     },
     settings: |context| {
         let path = PathSettings::default();
@@ -154,12 +154,13 @@ const WITHOUT_CURVES_AMONG_FRAMES: &str =
 const WITHOUT_GUIDE: &str = "`guiding` has no effect: directions are guided where they are drawn by scattering alone, and `directions` or `caustics` asks for another rule";
 
 /// What all of them listen to.
-const KEYS: [SettingsKey; 6] = [
+const KEYS: [SettingsKey; 7] = [
     SettingsKey::Bounces,
     SettingsKey::Technique,
     SettingsKey::Directions,
     SettingsKey::LightChoice,
     SettingsKey::Roulette,
+    SettingsKey::Clamp,
     SettingsKey::Spectral,
 ];
 

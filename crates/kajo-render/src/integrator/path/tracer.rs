@@ -494,7 +494,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
 
     /// Adds light that the path has met.
     fn add_hit(&mut self, state: &PathState<'s>, light: Spectrum, group: LightGroup) {
-        self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
+        self.observer.emitter_met(|| sensor::to_rgb(light, &state.wavelengths));
         self.add(state, light, group);
     }
 
@@ -537,7 +537,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             self.add_light_through_glass(path, Shaded { surface, bsdf, local }, &chosen);
         }
         let state = &mut path.state;
-        let drawn = light_of_choice(scene, state, &receiver, &chosen);
+        let drawn = light_of_choice(scene, state, &receiver, &chosen, self.lights);
         let Some(DrawnLight { light, li, pdf }) = drawn else { return };
         let Some(wi) = local.to_local(li.wi) else { return };
         let towards = TwoFrames { local: wi, world: li.wi };

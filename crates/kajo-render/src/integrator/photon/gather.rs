@@ -361,7 +361,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     fn add_medium_emission(&mut self, state: &mut PathState<'_>) {
         let emitted = std::mem::take(&mut state.emitted);
         if !emitted.is_black() {
-            self.observer.found(|| sensor::to_rgb(emitted, &state.wavelengths));
+            self.observer.emitter_met(|| sensor::to_rgb(emitted, &state.wavelengths));
             self.add(emitted, &state.wavelengths);
         }
     }
@@ -494,7 +494,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
 
     fn add_hit(&mut self, state: &PathState<'_>, radiance: Spectrum) {
         let light = state.beta * radiance;
-        self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
+        self.observer.emitter_met(|| sensor::to_rgb(light, &state.wavelengths));
         self.add(light, &state.wavelengths);
     }
 

@@ -59,6 +59,7 @@ pub const PHOTON: IntegratorSpec = IntegratorSpec {
         SettingsKey::PhotonMap,
         SettingsKey::LightChoice,
         SettingsKey::Roulette,
+        SettingsKey::Clamp,
     ],
     settings: |context| {
         let default = default_in(context);
@@ -80,6 +81,7 @@ pub const SPPM: IntegratorSpec = IntegratorSpec {
         SettingsKey::Photons,
         SettingsKey::LightChoice,
         SettingsKey::Roulette,
+        SettingsKey::Clamp,
         SettingsKey::Spectral,
     ],
     settings: |context| {

@@ -185,7 +185,7 @@ impl EquiangularRay {
             return None;
         }
         let receiver = self.receiver(t);
-        let li = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths)?;
+        let li = scene.sample_li(light, &receiver, chosen.pair(u), &start.wavelengths, by)?;
         let drawn = chosen.probability * span.pdf(t);
         let Reached { left, sigma_s, r_l, pdf } = self.reach(scene, start, path, t)?;
         let collided = pdf * scene.lighting.sampler.pmf(light, &receiver, by);

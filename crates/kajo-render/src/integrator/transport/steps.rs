@@ -204,8 +204,9 @@ pub fn sample_light<'a>(
     receiver: &Receiver,
     by: impl Into<LightSelection<'a>>,
 ) -> Option<DrawnLight> {
+    let by = by.into();
     let chosen = choose_light(scene, path, receiver, by)?;
-    light_of_choice(scene, path, receiver, &chosen)
+    light_of_choice(scene, path, receiver, &chosen, by)
 }
 
 /// A light chosen for a vertex.
@@ -231,15 +232,18 @@ pub fn choose_light<'a>(
 }
 
 /// The second half: what the light that was chosen sends.
+///
+/// * `by`: how it was chosen
 #[inline]
 pub fn light_of_choice(
     scene: &Scene,
     path: &PathState<'_>,
     receiver: &Receiver,
     chosen: &ChosenLight,
+    by: LightSelection<'_>,
 ) -> Option<DrawnLight> {
     let &ChosenLight { sampled: SampledLight { light, probability, .. }, u } = chosen;
-    let li = scene.sample_li(light, receiver, chosen.sampled.pair(u), &path.wavelengths)?;
+    let li = scene.sample_li(light, receiver, chosen.sampled.pair(u), &path.wavelengths, by)?;
     (!li.radiance.is_black()).then_some(DrawnLight { light, li, pdf: li.pdf * probability })
 }
 

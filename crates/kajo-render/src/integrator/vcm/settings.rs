@@ -61,6 +61,7 @@ pub const VCM: IntegratorSpec = IntegratorSpec {
         SettingsKey::MergeAlpha,
         SettingsKey::LightChoice,
         SettingsKey::Roulette,
+        SettingsKey::Clamp,
         SettingsKey::Spectral,
     ],
     settings,

@@ -253,7 +253,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         if let Some(apex) = lights.apex(id) {
             return Some((end(LightPoint::Position(apex), true), sampled.probability));
         }
-        let li = scene.sample_li(light, to, sampled.pair(u), &state.wavelengths)?;
+        let li = scene.sample_li(light, to, sampled.pair(u), &state.wavelengths, self.lights)?;
         // Of other lights that have a place no point is drawn.
         li.at.is_infinite().then_some((li, sampled.probability * li.pdf))
     }
@@ -290,7 +290,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             (LightPoint::Position(p), _) => {
                 let p = *p - chain.arrives * (*p - surface.at.point.p).length();
                 let to = Receiver { p, n: Vec3::ZERO, time: surface.at.time };
-                scene.sample_li(*light, &to, Vec2::ZERO, &wavelengths).map(|li| li.radiance)
+                let li = scene.sample_li(*light, &to, Vec2::ZERO, &wavelengths, self.lights);
+                li.map(|li| li.radiance)
             }
             _ => Some(li.radiance),
         };
