@@ -191,13 +191,16 @@ pub enum PhotonMapUse {
     Direct,
     /// For caustics only; paths find all other light.
     Caustics,
+    /// For a picture of its photons: a dot for each, on a dim view of the surfaces.
+    Dots,
 }
 
 impl PhotonMapUse {
     /// Names on the command line and in `Settings`, with the uses.
-    pub const NAMES: [(&'static str, PhotonMapUse); 3] = [
+    pub const NAMES: [(&'static str, PhotonMapUse); 4] = [
         ("caustics", PhotonMapUse::Caustics),
         ("direct", PhotonMapUse::Direct),
+        ("dots", PhotonMapUse::Dots),
         ("gather", PhotonMapUse::Gather),
     ];
 }

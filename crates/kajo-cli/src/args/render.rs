@@ -122,7 +122,7 @@ pub struct RenderArgs {
     /// Photon maps: paths from lights for one map
     #[arg(long, value_name = "N", help_heading = "Paths", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub photons: Option<u32>,
-    /// Photon maps: what the map is used for: gather, direct or caustics
+    /// Photon maps: what the map is used for: gather, direct, caustics or dots
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(PhotonMapUse::NAMES))]
     pub photon_map: Option<PhotonMapUse>,
     /// Vertex merging: whether vertices are merged

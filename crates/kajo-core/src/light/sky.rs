@@ -7,8 +7,8 @@
 //! p = s p_sun + (1 - s) p_sky
 //! ```
 //!
-//! Where scattering finds the light too, directions are drawn in proportion to what is above the mean of all directions only, as far as there is any
-//! [Karlík et al. 2019]: the rest is found well by scattering.
+//! Where scattering finds the light too, directions are drawn in proportion to what is above the mean of all directions only [Karlík et al. 2019]: the
+//! rest is found well by scattering. So of one colour none are drawn.
 //!
 //! Stars have a density of their own, which is mixed with that of what is behind them in proportion to the power of both.
 
@@ -106,6 +106,12 @@ impl SkyLight {
         SkyLight { density: OnceLock::new(), above_mean: OnceLock::new(), sun_share, background }
     }
 
+    /// Whether its light is the same from everywhere.
+    #[inline]
+    fn is_even(&self) -> bool {
+        matches!(*self.background, Background::Constant { .. })
+    }
+
     #[inline]
     fn density(&self) -> &SkyDensity {
         self.density.get_or_init(|| SkyDensity::of(&self.background, DensityWeight::All))
@@ -194,12 +200,12 @@ impl Emitter for SkyLight {
         wavelengths: &Wavelengths,
         _surfaces: &S,
     ) -> Option<LightLiSample> {
-        self.li_by(self.above_mean(), to, u, wavelengths)
+        (!self.is_even()).then(|| self.li_by(self.above_mean(), to, u, wavelengths)).flatten()
     }
 
     #[inline]
     fn pdf_li_beside_scattering(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
-        if at.is_infinite() { self.pdf(self.above_mean(), wi) } else { 0.0 }
+        if at.is_infinite() && !self.is_even() { self.pdf(self.above_mean(), wi) } else { 0.0 }
     }
 
     fn is_pointlike(&self) -> bool {

@@ -52,6 +52,9 @@ use crate::integrator::transport::{
 };
 use crate::trail::{About, PathObserver, RayKind};
 
+/// How bright white surfaces are between dots that stand for photons.
+const AROUND_DOTS: f32 = 0.1;
+
 /// Follows the path of one sample.
 pub struct Gatherer<'a, O> {
     photons: &'a Photons<'a>,
@@ -138,6 +141,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let mut from: Option<From> = None;
         let mut length = 0.0;
         loop {
+            let (start, beta) = (path.state.ray, path.state.beta);
             let event = match &self.photons.maps {
                 Maps::Progressive { in_media, radius, .. } if V::HAS_MEDIA && !self.for_media => {
                     self.advance_with_beams(&mut path.state, &mut surface, in_media, radius, length)
@@ -146,6 +150,10 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             };
             if V::HAS_MEDIA {
                 self.add_medium_emission(&mut path.state);
+                if let Maps::Fixed { usage: PhotonMapUse::Dots, in_media, .. } = &self.photons.maps {
+                    let end = if let Event::Medium(at) = &event { at.length } else { path.state.extent };
+                    self.add_dots_along(&Ray { t_min: 0.0, t_max: end, ..start }, beta, in_media, length);
+                }
             }
             let is_last = path.state.scatterings > bounces;
             match event {
@@ -289,6 +297,9 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             (Maps::Fixed { caustics, .. }, Role::DirectAndCaustics) => {
                 self.add_nearest(&path.state, z, caustics)
             }
+            (Maps::Fixed { usage: PhotonMapUse::Dots, all, .. }, _) => {
+                self.add_dots(&path.state, z, all, length)
+            }
             (Maps::Fixed { all, .. }, _) => self.add_nearest(&path.state, z, all),
         }
         let receiver = z.receiver(path.state.ray.time);
@@ -329,7 +340,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let role = match &photons.maps {
             _ if at.is_subsurface => Role::Direct,
-            Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::FromMap,
+            Maps::Fixed { usage: PhotonMapUse::Direct | PhotonMapUse::Dots, .. } => Role::FromMap,
             Maps::Fixed { usage: PhotonMapUse::Caustics, .. } => Role::DirectAndCaustics,
             Maps::Fixed { usage: PhotonMapUse::Gather, .. } | Maps::Progressive { .. } => Role::DirectAndMap,
         };
@@ -344,6 +355,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             Maps::Progressive { in_media, radius, .. } => {
                 self.add_ball(&path.state, &z, in_media, radius.ball.at(self.footprint.at(length)));
             }
+            // All dots along the ray were added.
+            Maps::Fixed { usage: PhotonMapUse::Dots, .. } => {}
             Maps::Fixed { in_media, .. } => self.add_nearest_in_ball(&path.state, &z, in_media),
         }
         if !role.goes_on() && !self.goes_on_for_media() {
@@ -371,7 +384,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// * `length`: of the last segment
     fn role<V: Volume<'a>>(&self, z: &Vertex<'a, V>, length: f32, from: Option<&From>) -> Role {
         match &self.photons.maps {
-            Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::FromMap,
+            Maps::Fixed { usage: PhotonMapUse::Direct | PhotonMapUse::Dots, .. } => Role::FromMap,
             _ if !z.bsdf.is_broad() => Role::Direct,
             Maps::Progressive { .. } => Role::DirectAndMap,
             // Nearby surfaces are seen too sharply for the disks of a map; there one more ray is cast.
@@ -407,6 +420,46 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let density =
             map.nearest(&gather_point(z), NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
         self.add_sums(state.beta, &state.wavelengths, &sums, density);
+    }
+
+    /// A dot where a photon lies within the width of a pixel, and a dim view of the surface elsewhere.
+    ///
+    /// * `length`: of the path from the camera
+    fn add_dots<V: Volume<'a>>(
+        &mut self,
+        state: &PathState<'_>,
+        z: &Vertex<'a, V>,
+        map: &PhotonMap,
+        length: f32,
+    ) {
+        let mut dot = None;
+        map.within(&gather_point(z), self.footprint.at(length), |photon| dot = dot.or(Some(dot_of(photon))));
+        let local = z.local(z.wo);
+        let light = dot.unwrap_or_else(|| z.bsdf.albedo(local.wo) * (AROUND_DOTS * local.wo.z.abs()));
+        self.add_shown(state.beta * light, &state.wavelengths);
+    }
+
+    /// A dot where a photon of a medium lies within the width of a pixel beside a ray.
+    ///
+    /// * `beta`: throughput at the start of the ray
+    /// * `length`: of the path before
+    fn add_dots_along(&mut self, ray: &Ray, beta: Spectrum, map: &PhotonMap, length: f32) {
+        let footprint = self.footprint;
+        let r_at = |t: f32| footprint.at((length + t).min(f32::MAX));
+        let mut dot = None;
+        map.along(ray, r_at(ray.t_max), |photon, t, d2| {
+            if d2 <= r_at(t) * r_at(t) {
+                dot = dot.or(Some(dot_of(photon)));
+            }
+        });
+        let wavelengths = self.photons.wavelengths;
+        self.add_shown(beta * dot.unwrap_or(Spectrum::BLACK), &wavelengths);
+    }
+
+    /// Adds what is shown in place of light.
+    fn add_shown(&mut self, light: Spectrum, wavelengths: &Wavelengths) {
+        self.observer.found(|| sensor::to_rgb(light, wavelengths));
+        self.add(light, wavelengths);
     }
 
     /// The photons of a ball of radius `r`: `beta / (4/3 pi r^3) sum p Φ / sigma_s` [Jensen and Christensen 1998, eq. 9].
@@ -542,6 +595,13 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
         self.add(found, &state.wavelengths);
     }
+}
+
+/// The colour of a photon's power, as bright as can be.
+fn dot_of(photon: &Photon) -> Spectrum {
+    let power = photon.power();
+    let largest = power.to_rgb().into_iter().fold(f32::MIN_POSITIVE, f32::max);
+    power * (1.0 / largest)
 }
 
 fn gather_point<'v, V: Volume<'v>>(z: &Vertex<'v, V>) -> GatherPoint {

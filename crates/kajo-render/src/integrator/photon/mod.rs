@@ -193,7 +193,7 @@ impl<'a> PhotonMapping<'a> {
         let emission = PhotonEmission::new(self.view.scene, photons, bounces, roulette);
         let [map, in_media] = match usage {
             None => [Wanted::Indirect; 2],
-            Some(PhotonMapUse::Direct) => [Wanted::All; 2],
+            Some(PhotonMapUse::Direct | PhotonMapUse::Dots) => [Wanted::All; 2],
             Some(PhotonMapUse::Gather) => [Wanted::All, Wanted::Indirect],
             Some(PhotonMapUse::Caustics) => [Wanted::Caustic; 2],
         };

@@ -60,6 +60,44 @@ fn mean_of(integrator: &dyn PixelIntegrator, samples: u32) -> Estimate {
     })
 }
 
+/// Each photon is a dot of two pixels across, in the colour of its light, seen in a mirror too and in a medium.
+#[test]
+fn photons_are_shown_as_dots() {
+    const SIZE: [u32; 2] = [96, 96];
+    let emitter =
+        "Matte emitter { color 0 0 0  emission 4 1 1 } Matte floor { color 0.5 0.5 0.5 } Metal mirror { }
+        Interface air { medium fog }";
+    let lamp = "MaterialIndex emitter Quad { corner -1 3 9  edge1 2 0 0  edge2 0 0 2 }
+        MaterialIndex floor Quad { corner -4 0 14  edge1 8 0 0  edge2 0 0 -8 }";
+    let head = "Media { Medium fog { density 0.5 } }";
+    let straight = camera([0.0, 2.8, 10.0], [0.0, 0.0, 10.0], 70.0);
+    // The floor as a mirror above it shows it.
+    let mirrored = camera([2.0, 2.0, 10.0], [0.0, 6.0, 10.0], 40.0);
+    let mirror = "MaterialIndex mirror Quad { corner -4 6 6  edge1 8 0 0  edge2 0 0 8 }";
+    let fog = "MaterialIndex air Box { min -3.9 0.1 6.1  max 3.9 2.9 13.9 }";
+    for (camera, more) in [(&straight, ""), (&mirrored, mirror), (&straight, fog)] {
+        let scene = scene(&format!("{head} {camera} Materials {{ {emitter} }} Group {{ {lamp} {more} }}"));
+        let dots = |photons: u32| {
+            let settings = PhotonSettings { photons, ..with(Some(PhotonMapUse::Dots), 0) };
+            let integrator = PhotonMapping::new(&scene, settings, SIZE, LayerSet::of(&[]));
+            let state = PixelIntegrator::with_state(&integrator, 0, &setup(3)).unwrap();
+            let sampler = Sampler::new(SamplerKind::Regular, 1);
+            let mut ctx = SampleContext::new(&sampler, 0);
+            let mut pixels = 0;
+            for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+                let place = Vec2::new(x as f32, y as f32) + ctx.begin([x, y], 0);
+                let [red, green, _] = state.integrator.sample(&mut ctx, [x, y], place).radiance;
+                // The emitter itself is brighter.
+                assert!(red < 0.11 || (green < 0.6 * red && red > 0.3), "{red} {green}");
+                pixels += u32::from(red > 0.3 && red < 3.0);
+            }
+            f64::from(pixels)
+        };
+        let (few, many) = (dots(40), dots(160));
+        assert!(few > 8.0 && many / few > 2.0 && many / few < 6.0, "{few} {many} of {more}");
+    }
+}
+
 fn mean(scene: &Scene, settings: PhotonSettings, samples: u32) -> Estimate {
     mean_of(&PhotonMapping::new(scene, settings, [1, 1], LayerSet::of(&[])), samples)
 }
