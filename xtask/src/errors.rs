@@ -71,7 +71,7 @@ fn compare(figures: &[Figure], known: &[Figure]) -> Result<(), Vec<String>> {
             continue;
         };
         let change = error / before - 1.0;
-        println!("{name:20} {error:10.3e}, known {before:10.3e}, {:+.1} %", 100.0 * change);
+        println!("{name:36} {error:10.3e}, known {before:10.3e}, {:+.1} %", 100.0 * change);
         if change > TOLERANCE {
             problems.push(format!("{name} has a squared error of {error:.3e}, {:.1} % more", 100.0 * change));
         } else if change < -TOLERANCE {
