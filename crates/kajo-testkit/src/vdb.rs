@@ -202,7 +202,11 @@ impl Writer<'_> {
         let is_half = matches!(self.grid.kind, VdbKind::Half | VdbKind::HalfVec3);
         metadata(
             self.out,
-            &[("class", "string", b"fog volume"), ("is_saved_as_half_float", "bool", &[u8::from(is_half)])],
+            &[
+                ("class", "string", b"fog volume"),
+                ("is_saved_as_half_float", "bool", &[u8::from(is_half)]),
+                ("name", "string", self.grid.name.as_bytes()),
+            ],
         );
         self.map();
         self.out.extend(1u32.to_le_bytes());
