@@ -3,9 +3,9 @@
 #
 #   scenes/bench/errors.sh [--kajo FILE] [--before FILE] [--integrator NAME] [--samples N] [--size N] [--runs N] [SCENE[:INTEGRATOR[,KEY=VALUE]...]]...
 #
-# A scene with a colon behind it is rendered by that integrator, such as bulb:path,caustics=scattering. Without scenes all are but
-# some that are slow to converge. The error is that of one picture, from the differences between pictures that differ in the seed only. With --before another build of kajo
-# renders the same, and the last column is how many times as large the error is now.
+# A scene with a colon behind it is rendered by that integrator, such as bulb:path,caustics=scattering. Without scenes all are, each by what
+# finds its light. The error is that of one picture, from the differences between pictures that differ in the seed only. With --before another build of
+# kajo renders the same, and the last column is how many times as large the error is now.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -26,14 +26,16 @@ done
 # Scenes whose light paths from the camera meet by chance, so that few bright samples decide their error, and what finds it.
 found_by=(
   caustic:bidirectional
+  caustic_in_mirror:vcm
+  ceiling:bidirectional
+  clear_bulb:path,caustics=manifold
+  dispersion:vcm,spectral=on
+  rough_bulb:sppm
 )
-# Scenes that are rendered when they are asked for only, such as rough_bulb:sppm.
-asked_for=' caustic_in_mirror ceiling clear_bulb dispersion rough_bulb '
 if [ ${#scenes[@]} -eq 0 ]; then
   for scene in "$here"/errors/*.txt "$here/cornell_box.txt"; do
     listed=()
     name=$(basename "$scene" .txt)
-    [[ $asked_for != *" $name "* ]] || continue
     for way in "${found_by[@]}"; do
       [ "${way%%:*}" != "$name" ] || listed+=("$scene${way#"$name"}")
     done

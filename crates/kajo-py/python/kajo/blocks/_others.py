@@ -187,7 +187,7 @@ class Settings(Block):
             Default: a quarter of `samples`.
         photons: paths from lights for a photon map (whole number from 1 to 100000000). Default:
             by the integrator.
-        photon_map: what the photon map is used for (caustics, direct or gather). Default:
+        photon_map: what the photon map is used for (caustics, direct, dots or gather). Default:
             gather.
         merging: merges paths from lights with those from the camera (on or off). Default: on.
         merge_radius: radius of the first disks in which paths are merged (number ≥ 0, length).
@@ -201,6 +201,8 @@ class Settings(Block):
             Default: occlusion.
         show_records: the irradiance and its records in place of the picture (on or off).
             Default: off.
+        clamp: the most that a sample brings of light that was scattered (number ≥ 0). Default:
+            0.
         reach: distance beyond which nothing occludes (number > 0, length). Default: any
             distance.
         ray_offset: how close to a surface rays start (auto or reference). Default: auto.
@@ -242,7 +244,7 @@ class Settings(Block):
         guiding: bool | None = None,
         training: int | None = None,
         photons: int | None = None,
-        photon_map: Literal["caustics", "direct", "gather"] | None = None,
+        photon_map: Literal["caustics", "direct", "dots", "gather"] | None = None,
         merging: bool | None = None,
         merge_radius: Number | None = None,
         merge_alpha: Number | None = None,
@@ -250,6 +252,7 @@ class Settings(Block):
         rays: int | None = None,
         gradients: Literal["occlusion", "off", "strata"] | None = None,
         show_records: bool | None = None,
+        clamp: Number | None = None,
         reach: Number | None = None,
         ray_offset: Literal["auto", "reference"] | None = None,
         depth_range: Number | Vector | None = None,
@@ -290,6 +293,7 @@ class Settings(Block):
         self.rays = rays
         self.gradients = gradients
         self.show_records = show_records
+        self.clamp = clamp
         self.reach = reach
         self.ray_offset = ray_offset
         self.depth_range = depth_range
