@@ -49,8 +49,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "half the density of a light that was met",
         LIGHTING,
-        "probability * self.lighting.lights.pdf_li(self.lighting.sampler.id(light), to, at, wi)",
-        "0.5 * probability * self.lighting.lights.pdf_li(self.lighting.sampler.id(light), to, at, wi)",
+        "true => probability * lights.pdf_li_beside_scattering(id, to, at, wi)",
+        "true => 0.5 * probability * lights.pdf_li_beside_scattering(id, to, at, wi)",
     ),
     mutant(
         "half the density of a direction to a light that was drawn",

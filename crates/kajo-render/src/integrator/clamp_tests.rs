@@ -61,7 +61,7 @@ fn emitters_are_seen_straight_and_by_way_of_mirrors_and_glass() {
     let seen = [
         format!("{sky} Group {{ }}"),
         format!(
-            "Materials {{ Matte lamp {{ color 0 0 0  emission 3 3 3 }} }} Group {{ MaterialIndex lamp {quad} }}"
+            "Materials {{ Matte emitter {{ color 0 0 0  emission 3 3 3 }} }} Group {{ MaterialIndex emitter {quad} }}"
         ),
         format!("{sky} Materials {{ Metal mirror {{ }} }} Group {{ MaterialIndex mirror {quad} }}"),
         format!(
@@ -102,10 +102,10 @@ fn what_is_scattered_is_not_seen_of_emitters() {
 /// A floor under a small bright ball, whose light comes rarely and much at once where nothing but scattering finds it.
 fn with_fireflies() -> Scene {
     scene(
-        "Materials { Matte floor { color 0.5 0.6 0.7 }  Matte lamp { color 0 0 0  emission 100 75 25 } }
+        "Materials { Matte floor { color 0.5 0.6 0.7 }  Matte emitter { color 0 0 0  emission 100 75 25 } }
          Group {
              MaterialIndex floor Quad { corner -4 -1 4  edge1 8 0 0  edge2 0 0 -8 }
-             MaterialIndex lamp  Sphere { center 0 0.4 0  radius 0.2 }
+             MaterialIndex emitter  Sphere { center 0 0.4 0  radius 0.2 }
          }",
     )
 }
@@ -156,7 +156,7 @@ fn what_is_taken_is_what_the_picture_lacks() {
     }
 }
 
-/// The lamp itself stays as bright as it is.
+/// The emitter itself stays as bright as it is.
 #[test]
 fn no_pixel_but_those_of_emitters_is_above_the_limit() {
     let scene = with_fireflies();

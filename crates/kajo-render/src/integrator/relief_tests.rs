@@ -59,7 +59,7 @@ fn floor_with(material: &str, relief: &str, light: &str, degrees: f64, assets: &
 
 /// The mean radiance of the middle of the picture by an integrator.
 fn mean(integrator: &dyn PixelIntegrator) -> f64 {
-    mean_of(integrator, 1 << 14)
+    mean_of(integrator, 1 << 15)
 }
 
 fn mean_of(integrator: &dyn PixelIntegrator, samples: u32) -> f64 {

@@ -67,7 +67,7 @@ fn photons_are_shown_as_dots() {
     let emitter =
         "Matte emitter { color 0 0 0  emission 4 1 1 } Matte floor { color 0.5 0.5 0.5 } Metal mirror { }
         Interface air { medium fog }";
-    let lamp = "MaterialIndex emitter Quad { corner -1 3 9  edge1 2 0 0  edge2 0 0 2 }
+    let room = "MaterialIndex emitter Quad { corner -1 3 9  edge1 2 0 0  edge2 0 0 2 }
         MaterialIndex floor Quad { corner -4 0 14  edge1 8 0 0  edge2 0 0 -8 }";
     let head = "Media { Medium fog { density 0.5 } }";
     let straight = camera([0.0, 2.8, 10.0], [0.0, 0.0, 10.0], 70.0);
@@ -76,7 +76,7 @@ fn photons_are_shown_as_dots() {
     let mirror = "MaterialIndex mirror Quad { corner -4 6 6  edge1 8 0 0  edge2 0 0 8 }";
     let fog = "MaterialIndex air Box { min -3.9 0.1 6.1  max 3.9 2.9 13.9 }";
     for (camera, more) in [(&straight, ""), (&mirrored, mirror), (&straight, fog)] {
-        let scene = scene(&format!("{head} {camera} Materials {{ {emitter} }} Group {{ {lamp} {more} }}"));
+        let scene = scene(&format!("{head} {camera} Materials {{ {emitter} }} Group {{ {room} {more} }}"));
         let dots = |photons: u32| {
             let settings = PhotonSettings { photons, ..with(Some(PhotonMapUse::Dots), 0) };
             let integrator = PhotonMapping::new(&scene, settings, SIZE, LayerSet::of(&[]));
@@ -93,7 +93,7 @@ fn photons_are_shown_as_dots() {
             }
             f64::from(pixels)
         };
-        let (few, many) = (dots(40), dots(160));
+        let (few, many) = (dots(200), dots(800));
         assert!(few > 8.0 && many / few > 2.0 && many / few < 6.0, "{few} {many} of {more}");
     }
 }

@@ -258,9 +258,10 @@ fn lights_seen_through_a_lens_are_found_both_ways() {
     let immersed = room(LENS, ball, "MaterialIndex amber Box { min -0.9 -0.9 -0.9  max 0.9 0.9 0.99 }")
         .replace("Materials {", &format!("Materials {{ {amber}"));
     let upwards = room(&LENS.replace("0 -0.2 -1", "0 0.4 -1"), CEILING, "");
+    // A sky of one colour is not drawn, so it has one way only.
     let sun = format!(
         "{LENS} Lights {{ DirectionalLight {{ direction 0 0.1 1  irradiance 1 1 1  angle 8 }} }}
-         Background {{ color 0.2 0.3 0.4 }}"
+         Background {{ color 0 0 0 }}"
     );
     let texts = [telecentric, &blades, &moving].map(|camera| room(camera, ball, ""));
     for text in texts.iter().chain([&upwards, &immersed, &sun]) {
