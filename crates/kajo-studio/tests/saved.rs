@@ -39,6 +39,8 @@ fn any_action(studio: &Studio, dice: &mut Dice) -> Option<Action> {
 fn windows() -> impl Iterator<Item = (String, Window)> {
     let gallery = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/gallery");
     let mut paths: Vec<_> = std::fs::read_dir(gallery).unwrap().map(|entry| entry.unwrap().path()).collect();
+    // Its chains begin with a million samples, which take minutes here.
+    paths.retain(|path| !path.ends_with("keyhole.txt"));
     paths.sort();
     paths.into_iter().filter_map(|path| {
         let text = std::fs::read_to_string(&path).ok()?;
