@@ -32,6 +32,8 @@ pub enum LightSelection<'a> {
     Uniform,
     /// By what they may contribute and how often it arrives, beside scattering.
     Learned(&'a LightVisibility),
+    /// The same where nothing else finds their light.
+    LearnedAlone(&'a LightVisibility),
 }
 
 impl LightSelection<'_> {
@@ -45,6 +47,7 @@ impl LightSelection<'_> {
     pub fn alone(self) -> Self {
         match self {
             LightSelection::Tree => LightSelection::TreeAlone,
+            LightSelection::Learned(visibility) => LightSelection::LearnedAlone(visibility),
             other => other,
         }
     }

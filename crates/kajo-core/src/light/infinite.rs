@@ -83,11 +83,6 @@ impl InfiniteLights {
         self.beside_scattering
     }
 
-    /// The same where a share of each is known to arrive.
-    pub fn of_arriving(&self, arrives: [f32; 3]) -> [f32; 3] {
-        [0, 1, 2].map(|i| self.beside_scattering[i] * arrives[i])
-    }
-
     /// The probability that one of a tree is chosen for a receiver, and not one of these.
     ///
     /// * `factors`: of the weights of the background, of directional lights and of the tree
@@ -122,8 +117,10 @@ impl InfiniteLights {
     }
 
     /// As [`InfiniteLights::sample`], by a mixture with what is known to arrive.
-    pub fn sample_learned(&self, u: f32, arrives: [f32; 3], mixture: Mixture) -> Option<SampledLight> {
-        let (is_background, mixture, u) = mixture.step(self.shares_of_background(arrives), u);
+    ///
+    /// * `factors`: as for [`InfiniteLights::share_of_tree`], by importance, and by what is known to arrive too
+    pub fn sample_learned(&self, u: f32, factors: [[f32; 3]; 2], mixture: Mixture) -> Option<SampledLight> {
+        let (is_background, mixture, u) = mixture.step(self.shares_of_background(factors), u);
         match self.background {
             Some(background) if is_background => {
                 Some(SampledLight::new(background, mixture.probability(), u))
@@ -133,8 +130,8 @@ impl InfiniteLights {
     }
 
     /// Probability with which [`InfiniteLights::sample_learned`] chooses a light; 0 for one that is not among these.
-    pub fn pmf_learned(&self, light: LightIndex, arrives: [f32; 3], mixture: Mixture) -> f32 {
-        let shares = self.shares_of_background(arrives);
+    pub fn pmf_learned(&self, light: LightIndex, factors: [[f32; 3]; 2], mixture: Mixture) -> f32 {
+        let shares = self.shares_of_background(factors);
         if Some(light) == self.background {
             return mixture.after(shares).probability();
         }
@@ -166,8 +163,8 @@ impl InfiniteLights {
     }
 
     /// By importance, and by what is known to arrive too.
-    fn shares_of_background(&self, arrives: [f32; 3]) -> [f32; 2] {
-        [self.beside_scattering, self.of_arriving(arrives)].map(|factors| self.share_of_background(factors))
+    fn shares_of_background(&self, factors: [[f32; 3]; 2]) -> [f32; 2] {
+        factors.map(|factors| self.share_of_background(factors))
     }
 
     fn share_of_background(&self, factors: [f32; 3]) -> f32 {

@@ -6,7 +6,7 @@ use kajo_math::Vec3;
 use super::infinite::{ALIKE, InfiniteLights};
 use super::segment::{AngularSpan, RaySegment};
 use super::tree::FirstStep;
-use super::visibility::{LightPart, Mixture, RegionVisibility};
+use super::visibility::{LightPart, Mixture};
 use super::{
     AreaLight, Emitter, LightDraw, LightHit, LightId, LightSelection, LightTree, LightVisibility, Lights,
     Receiver, SampledLight,
@@ -176,12 +176,15 @@ impl LightSampler {
         if let [only] = *self.choosable {
             return Some(SampledLight::new(only, 1.0, u));
         }
-        let factors = match by.into() {
-            LightSelection::Tree => self.infinite.beside_scattering(),
-            LightSelection::TreeAlone => ALIKE,
+        let by = by.into();
+        let factors = self.factors(by);
+        match by {
+            LightSelection::Tree | LightSelection::TreeAlone => {}
             LightSelection::Uniform => return self.sample_uniform(u),
-            LightSelection::Learned(visibility) => return self.sample_learned(to, u, visibility),
-        };
+            LightSelection::Learned(visibility) | LightSelection::LearnedAlone(visibility) => {
+                return self.sample_learned(to, u, visibility, factors);
+            }
+        }
         let step = self.tree.first_step(to);
         let share = self.infinite.share_of_tree(&step, factors);
         if u < share {
@@ -199,15 +202,18 @@ impl LightSampler {
             return if only == light { 1.0 } else { 0.0 };
         }
         let in_tree = self.tree.has(light);
-        let factors = match by.into() {
-            LightSelection::Tree => self.infinite.beside_scattering(),
-            LightSelection::TreeAlone => ALIKE,
+        let by = by.into();
+        let factors = self.factors(by);
+        match by {
+            LightSelection::Tree | LightSelection::TreeAlone => {}
             LightSelection::Uniform => {
                 let can_be_chosen = in_tree || self.infinite.pmf(light, ALIKE) > 0.0;
                 return if can_be_chosen { self.pmf_uniform() } else { 0.0 };
             }
-            LightSelection::Learned(visibility) => return self.pmf_learned(light, to, visibility),
-        };
+            LightSelection::Learned(visibility) | LightSelection::LearnedAlone(visibility) => {
+                return self.pmf_learned(light, to, visibility, factors);
+            }
+        }
         let step = self.tree.first_step(to);
         let share = self.infinite.share_of_tree(&step, factors);
         if in_tree {
@@ -234,7 +240,7 @@ impl LightSampler {
                 self.tree.sample(segment, &self.tree.first_step(segment), u)
             }
             LightSelection::Uniform => self.sample_uniform(u),
-            LightSelection::Learned(visibility) => {
+            LightSelection::Learned(visibility) | LightSelection::LearnedAlone(visibility) => {
                 let known = visibility.region(segment.middle());
                 let step = self.tree.first_step(segment);
                 self.tree.sample_learned(segment, &step, u, &known, Mixture::START)
@@ -257,7 +263,7 @@ impl LightSampler {
                 self.tree.pmf(light, segment, &self.tree.first_step(segment))
             }
             LightSelection::Uniform => self.pmf_uniform(),
-            LightSelection::Learned(visibility) => {
+            LightSelection::Learned(visibility) | LightSelection::LearnedAlone(visibility) => {
                 let known = visibility.region(segment.middle());
                 let step = self.tree.first_step(segment);
                 self.tree.pmf_learned(light, segment, &step, &known, Mixture::START)
@@ -283,31 +289,52 @@ impl LightSampler {
         1.0 / self.len() as f32
     }
 
-    fn sample_learned(&self, to: &Receiver, u: f32, visibility: &LightVisibility) -> Option<SampledLight> {
+    /// Factors of the weights of the background, of directional lights and of the tree.
+    #[inline]
+    fn factors(&self, by: LightSelection<'_>) -> [f32; 3] {
+        if by.is_beside_scattering() { self.infinite.beside_scattering() } else { ALIKE }
+    }
+
+    fn sample_learned(
+        &self,
+        to: &Receiver,
+        u: f32,
+        visibility: &LightVisibility,
+        factors: [f32; 3],
+    ) -> Option<SampledLight> {
         let (known, step) = (visibility.region(to.p), self.tree.first_step(to));
-        let (in_tree, mixture, u) = Mixture::START.step(self.shares_of_tree(&step, &known), u);
+        let factors = [factors, [0, 1, 2].map(|i| factors[i] * known.parts[i])];
+        let (in_tree, mixture, u) = Mixture::START.step(self.shares_of_tree(&step, factors), u);
         if in_tree {
             self.tree.sample_learned(to, &step, u, &known, mixture)
         } else {
-            self.infinite.sample_learned(u, known.parts, mixture)
+            self.infinite.sample_learned(u, factors, mixture)
         }
     }
 
-    fn pmf_learned(&self, light: LightIndex, to: &Receiver, visibility: &LightVisibility) -> f32 {
+    fn pmf_learned(
+        &self,
+        light: LightIndex,
+        to: &Receiver,
+        visibility: &LightVisibility,
+        factors: [f32; 3],
+    ) -> f32 {
         let (known, step) = (visibility.region(to.p), self.tree.first_step(to));
-        let shares = self.shares_of_tree(&step, &known);
+        let factors = [factors, [0, 1, 2].map(|i| factors[i] * known.parts[i])];
+        let shares = self.shares_of_tree(&step, factors);
         if self.tree.has(light) {
             self.tree.pmf_learned(light, to, &step, &known, Mixture::START.after(shares))
         } else {
             let mixture = Mixture::START.after(shares.map(|share| 1.0 - share));
-            self.infinite.pmf_learned(light, known.parts, mixture)
+            self.infinite.pmf_learned(light, factors, mixture)
         }
     }
 
     /// The probability that a light has a position, by importance and by what is known to arrive too.
-    fn shares_of_tree(&self, step: &FirstStep, known: &RegionVisibility<'_>) -> [f32; 2] {
-        [self.infinite.beside_scattering(), self.infinite.of_arriving(known.parts)]
-            .map(|factors| self.infinite.share_of_tree(step, factors))
+    ///
+    /// * `factors`: for both
+    fn shares_of_tree(&self, step: &FirstStep, factors: [[f32; 3]; 2]) -> [f32; 2] {
+        factors.map(|factors| self.infinite.share_of_tree(step, factors))
     }
 
     /// A table of what arrives, of draws by [`LightSampler::sample`].

@@ -55,7 +55,10 @@ class Image:
 
     @property
     def clamped(self) -> tuple[float, float, float] | None:
-        """The share of the red, green and blue light that `clamp` has taken away, each from 0 to 1; None without a limit."""
+        """The share of the red, green and blue light that `clamp` has taken away, each from 0 to 1.
+
+        None without a limit.
+        """
         return self._native.clamped
 
     @property

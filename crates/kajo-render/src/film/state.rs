@@ -1,10 +1,10 @@
 //! A film as bytes, for checkpoints.
 //!
 //! First numbers of samples, and a byte that is 1 when Markov chains have counted, with their counts; where samples are
-//! limited, the sums of what that took. Then for each block, row by row: what camera rays brought, after a byte that is 1 when there is something, and the splats
-//! likewise. Sums are written in the least number of bytes that holds all numbers of an array, little-endian, after a
-//! byte with that number. How long an array is follows from the [`FilmSpec`], so that nothing is allocated by what a
-//! file says.
+//! limited, the sums of what that took. Then for each block, row by row: what camera rays brought, after a byte that is 1
+//! when there is something, and the splats likewise. Sums are written in the least number of bytes that holds all
+//! numbers of an array, little-endian, after a byte with that number. How long an array is follows from the
+//! [`FilmSpec`], so that nothing is allocated by what a file says.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::sync::PoisonError;

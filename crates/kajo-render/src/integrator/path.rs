@@ -218,7 +218,8 @@ impl Path<'_> {
 
     /// How lights are chosen, with what is known of those that arrive.
     fn lights_by<'v>(&self, visibility: Option<&'v LightVisibility>) -> LightSelection<'v> {
-        visibility.map_or(self.settings.light_selection(), LightSelection::Learned)
+        let learned = |visibility| self.settings.selection(LightSelection::Learned(visibility));
+        visibility.map_or(self.settings.light_selection(), learned)
     }
 
     /// Whether paths ever fork.

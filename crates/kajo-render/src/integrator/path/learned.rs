@@ -60,7 +60,7 @@ impl Integrator for LearnedPath<'_> {
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample {
-        let lights = LightSelection::Learned(&self.visibility);
+        let lights = self.path.lights_by(Some(&self.visibility));
         self.path.observe_choosing(ctx, raster, observer, Sampled, lights).0
     }
 }
@@ -80,9 +80,9 @@ pub(super) fn learn(
     let [width, height] = path.view.size.map(u64::from);
     let tasks = (width * height * PATHS_PER_PIXEL).clamp(PATHS[0], PATHS[1]) / TASK;
     let mut draws = Vec::new();
-    let mut rays = train(path, setup, 0..tasks / FIRST, LightSelection::Tree, &mut draws)?;
+    let mut rays = train(path, setup, 0..tasks / FIRST, path.lights_by(None), &mut draws)?;
     let visibility = sampler.learn(draws.clone());
-    let by_these = LightSelection::Learned(&visibility);
+    let by_these = path.lights_by(Some(&visibility));
     rays += train(path, setup, tasks / FIRST..tasks, by_these, &mut draws)?;
     Ok((sampler.learn(draws), rays))
 }
@@ -109,7 +109,8 @@ fn train(
         }
         let choices = &path.view.scene.lighting.sampler;
         let draws = recorder.draws.into_iter().map(|drawn| {
-            let [tree, by] = [LightSelection::Tree, lights].map(|by| choices.pmf(drawn.light, &drawn.to, by));
+            let by = [path.lights_by(None), lights];
+            let [tree, by] = by.map(|by| choices.pmf(drawn.light, &drawn.to, by));
             LightDraw { p: drawn.to.p, light: drawn.light, weight: tree / by, arrives: drawn.arrives }
         });
         Ok((draws.collect::<Vec<_>>(), recorder.rays))
@@ -158,6 +159,7 @@ impl PathObserver for Recorder {
 mod tests {
     use kajo_core::light::LightChoice;
     use kajo_core::scene::Scene;
+    use kajo_core::settings::Technique;
 
     use super::super::PathSettings;
     use super::super::tests::{camera, mean_of, scene};
@@ -211,6 +213,26 @@ mod tests {
         let [one, three] = [1, 3].map(|threads| learn(&path, &setup(threads)).unwrap().0);
         assert!(one == three);
         assert!(one.bytes() > 4096, "{}", one.bytes());
+    }
+
+    /// A sky of one colour is drawn where nothing but drawing finds it.
+    #[test]
+    fn lights_that_are_drawn_only_are_learned_too() {
+        let scene = scene(&format!(
+            "{} Background {{ color 0.5 0.5 0.5 }}
+             Lights {{ PointLight {{ position 0 3 0  intensity 1 }}  PointLight {{ position 9 -3 0  intensity 9 }} }}
+             Materials {{ Matte floor {{ color 0.5 0.5 0.5 }} }}
+             Group {{ MaterialIndex floor Quad {{ corner -4 0 4  edge1 8 0 0  edge2 0 0 -8 }} }}",
+            camera([0.0, 3.0, 2.0], [0.0, 0.0, 0.0])
+        ));
+        let drawn = PathSettings { technique: Technique::Lights, ..settings() };
+        let path = Path::new(&scene, drawn, [1, 1], LayerSet::of(&[]));
+        let state = PixelIntegrator::with_state(&path, 0, &setup(1)).unwrap();
+        let found = mean_of(&*state.integrator, 4000, 0);
+        // 0.5 of the sky, and 0.5/pi of the light three above.
+        let expected = 0.5 * 0.5 + 0.5 / std::f64::consts::PI / 9.0;
+        let sigma = found.standard_error;
+        assert!((found.mean - expected).abs() < 4.0 * sigma && sigma < 0.02, "{found:?} {expected}");
     }
 
     /// With one light there is nothing to choose.

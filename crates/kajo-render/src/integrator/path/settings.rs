@@ -187,7 +187,11 @@ impl PathSettings {
 
     /// How lights are chosen, without what is known of a scene.
     pub(super) fn light_selection(&self) -> LightSelection<'static> {
-        let by = LightSelection::from(self.light_choice);
+        self.selection(LightSelection::from(self.light_choice))
+    }
+
+    /// A choice of lights, beside scattering or alone.
+    pub(super) fn selection<'v>(&self, by: LightSelection<'v>) -> LightSelection<'v> {
         if self.technique == Technique::Lights { by.alone() } else { by }
     }
 

@@ -38,6 +38,9 @@ pub use settings::{VCM, VertexMergingSettings};
 /// Pixels from the middle of a disk of the first pass to its rim.
 const FIRST_RADIUS: f32 = 2.5;
 
+/// The most pixels there, where vertices are so sparse that wider disks would be needed to hold one.
+const WIDEST_RADIUS: f32 = 10.0;
+
 /// Radius of the balls of the first pass, in radii of its disks.
 ///
 /// Squared error times seconds of a tank of water with a glass ball, lit from outside by a point: 0.31 with 1, 0.12
@@ -119,14 +122,17 @@ impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
     }
 }
 
-/// The radius of the first disks that suits a picture: some pixels, but so large that they hold a vertex or so, and not so large that
-/// they blur the scene.
+/// The radius of the first disks that suits a picture: some pixels, but so large that they hold a vertex or so, and not so
+/// large that they blur the scene, or what the picture shows of it.
 fn automatic_radius(view: &CameraView<'_>, paths: u32, world: &BoundingSphere) -> f32 {
     // Spread evenly over the sphere around the scene, about one vertex would lie in the smallest disk.
     let least = world.radius * (4.0 / paths as f32).sqrt().min(0.01);
     let most = least.max(0.01 * world.radius);
-    let pixels = footprint::median(view).map_or(most, |pixel| FIRST_RADIUS * pixel);
-    pixels.clamp(least, most).max(f32::MIN_POSITIVE)
+    let radius = match footprint::median(view) {
+        Some(pixel) => (FIRST_RADIUS * pixel).clamp(least, most).min(WIDEST_RADIUS * pixel),
+        None => most,
+    };
+    radius.max(f32::MIN_POSITIVE)
 }
 
 impl<'v, V: ReusedVolume<'v>> Integrator for VertexMerging<'v, V> {

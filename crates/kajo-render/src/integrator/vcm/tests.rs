@@ -87,7 +87,8 @@ fn a_point_light_in_a_white_ball_lights_it_evenly() {
          Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
         camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0], 0.01)
     );
-    check(&scene(&text), with(1000), 64, 0.8 / PI * (1.0 / 2.25 + 4.0), 4e-3);
+    let settings = VertexMergingSettings { radius: 0.017, ..with(1000) };
+    check(&scene(&text), settings, 64, 0.8 / PI * (1.0 / 2.25 + 4.0), 4e-3);
 }
 
 /// Matt walls, an emitter, a mirror and glass: what paths find that meet the emitter. With wavelengths, and where glass disperses them.
@@ -299,6 +300,18 @@ fn the_first_radius_follows_the_pixels() {
         assert!((found / expected - 1.0).abs() < 0.03, "{found} instead of {expected}");
         assert!((radius(text, 512) / found - 0.5).abs() < 0.02);
     }
+}
+
+/// Where the scene is large beside what is seen of it, disks that hold a vertex are wider than the picture.
+#[test]
+fn a_small_thing_in_a_large_scene_is_as_bright_as_it_is() {
+    let text = format!(
+        "{} Lights {{ PointLight {{ position 0 3 0  intensity 9 }} }} Materials {{ Matte m {{ color 0.5 0.5 0.5 }} }}
+         Group {{ MaterialIndex m Disk {{ center 0 0 0 normal 0 1 0 radius 0.01 }}
+                  Sphere {{ center 100 -100 100 radius 1 }}  Sphere {{ center -100 -100 -100 radius 1 }} }}",
+        camera([0.0, 0.03, 0.02], [0.0; 3], 4.0)
+    );
+    check(&scene(&text), with(1000), 64, 0.5 / PI, 4e-3);
 }
 
 #[test]
