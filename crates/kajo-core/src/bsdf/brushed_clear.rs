@@ -8,9 +8,10 @@
 //! α(φ)² = (αx cos φ)² + (αy sin φ)²        l(θ, φ) = l_even(θ; α(φ)) + d(θ, φ)
 //! ```
 //!
-//! with `l_even` for facets of one roughness. What is left, `d`, is tabulated with both sides' averages `L` over the cosine, the
-//! azimuth in one quarter, the greater roughness, the lesser one over that, and the index, in `brushed_clear.bin`, made by the
-//! generator among the tests of these modules for both shapes.
+//! with `l_even` for facets of one roughness. What is left, `d`, is tabulated over the cosine, the azimuth in one quarter,
+//! the greater roughness, the lesser one over that, and the index, in `brushed_clear.bin`, made by the generator among the tests
+//! of these modules for both shapes. So is what both sides' averages `L` are above those of facets of one roughness, the root
+//! mean square of both. Straight above, where all azimuths meet, `d` still belongs to one of them.
 
 use std::f32::consts::FRAC_2_PI;
 
@@ -33,7 +34,7 @@ pub(super) const SURFACES: usize = ASPECTS * ALPHAS * INDICES;
 pub(super) const OF_TABLE: usize = COSINES * TURNS * SURFACES;
 
 /// Bytes of the tables of one shape: `d` of what is lost on the side of the lower index and of the higher one, and of what is reflected
-/// on the former, in signed 16-bit numbers; then `L` of both sides in single precision. Little endian; cosines fastest, then
+/// on the former, in signed 16-bit numbers; then the differences of `L` of both sides in single precision. Little endian; cosines fastest, then
 /// azimuths, ratios, roughnesses and indices.
 pub(super) const OF_SHAPE: usize = 6 * OF_TABLE + 8 * SURFACES;
 
@@ -90,7 +91,7 @@ impl BrushedClear {
         let alphas @ [rough, fine] = [alpha_x.max(alpha_y), alpha_x.min(alpha_y)];
         let (index, alpha) = (Between::index(n, INDICES), Between::alpha(rough, ALPHAS));
         let aspect = Between::alpha(fine / rough, ASPECTS);
-        let average = |side: usize| {
+        let difference = |side: usize| {
             let node = |n: usize, a: usize, q: usize| {
                 let at =
                     offset(shape) + 6 * OF_TABLE + 4 * (side * SURFACES + (n * ALPHAS + a) * ASPECTS + q);
@@ -98,7 +99,9 @@ impl BrushedClear {
             };
             index.mix(|n| alpha.mix(|a| aspect.mix(|q| node(n, a, q))))
         };
-        let (density, thin_share) = outlets([average(0), average(1)], n);
+        let even = EvenTables::new(shape, (0.5 * (rough * rough + fine * fine)).sqrt(), n).averages();
+        let averages = [0, 1].map(|side| (even[side] + difference(side)).max(0.0));
+        let (density, thin_share) = outlets(averages, n);
         let is_across = alpha_y > alpha_x;
         BrushedClear { shape, alphas, is_across, n, index, alpha, aspect, density, thin_share }
     }
@@ -121,7 +124,7 @@ impl BrushedClear {
         let (along, across) = (w.x.abs(), w.y.abs());
         let (along, across) = if self.is_across { (across, along) } else { (along, across) };
         let across_the_normal = along * along + across * across;
-        let cos2_phi = if across_the_normal > 0.0 { along * along / across_the_normal } else { 0.5 };
+        let cos2_phi = if across_the_normal > 0.0 { along * along / across_the_normal } else { 1.0 };
         TableDirection { cos: w.z.abs(), cos2_phi, turn: FRAC_2_PI * fmath::atan2(across, along) }
     }
 

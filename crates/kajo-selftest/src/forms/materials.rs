@@ -39,7 +39,7 @@ const FURNACE: &[Method] = &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL];
 const OF_TABLES: f64 = 3e-3;
 
 /// The same for a ball of glass that is rougher one way than the other, which light meets several times.
-const OF_BRUSHED_TABLES: f64 = 3e-2;
+const OF_BRUSHED_TABLES: f64 = 1e-2;
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = Vec::new();
@@ -48,6 +48,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
             forms.push(pane(draw, is_block, reflected));
         }
     }
+    let shared: Vec<Form> = forms.iter().flat_map(|form| [form.shared(), form.chained()]).collect();
     forms.extend([absorber(draw), overlapping_absorbers(draw)]);
     forms.extend([5.0, 20.0, 60.0].map(|elevation| relief(draw, elevation)));
     let roughness = draw.between(0.2, 0.9);
@@ -68,6 +69,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     ] {
         forms.push(furnace(draw, name, &material).rounding(OF_TABLES));
     }
+    forms.extend(shared);
     let (roughness, anisotropy) = (draw.between(0.2, 0.7), draw.between(0.2, 0.6));
     let brushed = format!(
         "Principled m {{ transmission 1  color 1 1 1  roughness {roughness}  anisotropy {anisotropy} }}"

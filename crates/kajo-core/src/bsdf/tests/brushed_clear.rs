@@ -77,7 +77,8 @@ impl Surface {
         ]
     }
 
-    /// The averages over the hemisphere, weighted by the cosine, of what the tables say is lost.
+    /// The averages over the hemisphere, weighted by the cosine, of what the tables say is lost, less those of facets of the root
+    /// mean square of both roughnesses.
     ///
     /// * `nodes`: the differences of all directions
     fn averages(&self, nodes: &[[i16; 3]]) -> [f32; 2] {
@@ -96,13 +97,17 @@ impl Surface {
                 *sum += f64::from(lost * 4.0 * x * x * x);
             }
         }
-        sums.map(|sum| (sum / (STEPS * STEPS) as f64) as f32)
+        let Microfacets { shape, alpha_x, alpha_y } = self.facets;
+        let mean =
+            EvenTables::new(shape, (0.5 * (alpha_x * alpha_x + alpha_y * alpha_y)).sqrt(), self.n).averages();
+        [0, 1].map(|side| (sums[side] / (STEPS * STEPS) as f64 - f64::from(mean[side])) as f32)
     }
 }
 
-/// The direction with this share of the quarter as its azimuth and this root of its cosine.
+/// The direction with this share of the quarter as its azimuth and this root of its cosine; straight above, just so far
+/// aside that it has an azimuth.
 fn direction(turn: f32, root: f32) -> Vec3 {
-    let mu = root.max(1e-3).powi(2);
+    let mu = root.clamp(1e-3, 1.0 - 1e-5).powi(2);
     let (s, c) = (turn * FRAC_PI_2).sin_cos();
     let r = (1.0 - mu * mu).max(0.0).sqrt();
     Vec3::new(r * c, r * s, mu)
