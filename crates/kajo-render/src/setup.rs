@@ -1,8 +1,9 @@
 //! What an integrator may use to make what its samples share.
 
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
@@ -102,26 +103,45 @@ impl Setup<'_> {
 }
 
 impl Setup<'_> {
-    /// As [`Setup::tasks`], with results that are kept together and may not take more bytes than [`Setup::memory`].
+    /// As [`Setup::tasks`], with results that are put together while others are made, so that all of them never exist twice.
     ///
-    /// * `work`: what task `i` is, and how many bytes its result takes
-    /// * `too_many`: what is said where there is no room for them
+    /// * `work`: what task `i` is
+    /// * `add`: puts a result to those of the tasks before it; never called by two threads at once
     ///
     /// # Errors
-    /// As there, and `too_many`.
-    pub fn tasks_in_memory<T: Send>(
+    /// As there, and those of `add`.
+    pub fn fold_tasks<T: Send, A: Default + Send>(
         &self,
         n: u32,
-        work: impl Fn(u32) -> (T, u64) + Sync,
-        too_many: impl Fn() -> SetupError + Sync,
-    ) -> Result<Vec<T>, SetupError> {
-        let kept = AtomicU64::new(0);
+        work: impl Fn(u32) -> T + Sync,
+        add: impl Fn(&mut A, T) -> Result<(), SetupError> + Sync,
+    ) -> Result<A, SetupError> {
+        /// What is put together, the next task's number, and results of tasks after it.
+        struct Folded<T, A>(A, u32, BTreeMap<u32, T>);
+        let folded = Mutex::new(Folded(A::default(), 0, BTreeMap::new()));
         self.tasks(n, |i| {
-            let (result, bytes) = work(i);
-            let kept = kept.fetch_add(bytes, Ordering::Relaxed) + bytes;
-            if kept > self.memory { Err(too_many()) } else { Ok(result) }
-        })
+            let result = work(i);
+            let mut folded = folded.lock().unwrap_or_else(PoisonError::into_inner);
+            let Folded(all, next, waiting) = &mut *folded;
+            waiting.insert(i, result);
+            while let Some(result) = waiting.remove(next) {
+                add(all, result)?;
+                *next += 1;
+            }
+            Ok(())
+        })?;
+        Ok(folded.into_inner().unwrap_or_else(PoisonError::into_inner).0)
     }
+}
+
+/// Appends, with room for an eighth more than is there at most.
+///
+/// Where memory is handed out by pages, as for all that is large, neither old nor new elements are copied in between.
+pub fn append_tightly<T>(all: &mut Vec<T>, more: Vec<T>) {
+    if all.capacity() - all.len() < more.len() {
+        all.reserve_exact(more.len().max(all.len() / 8));
+    }
+    all.extend(more);
 }
 
 /// The text of a panic that was caught.

@@ -7,6 +7,7 @@ use kajo_math::Vec2;
 use kajo_math::rng::{Stream, mix};
 
 use super::*;
+use crate::setup::append_tightly;
 use crate::{
     Film, FilmSpec, Goal, Layer, LayerSet, PixelSample, Position, Progress, RenderError, RenderSettings,
     RenderStats, SampleContext, Silent, WithState, render, render_passes,
@@ -121,6 +122,32 @@ fn pieces_come_in_order_and_the_first_failure_ends_the_work() {
     }
     let stop = StopAfter(AtomicUsize::new(2));
     assert_eq!(setup(1, &stop).tasks(9, |_| Ok(())), Err(SetupError::Cancelled));
+}
+
+#[test]
+fn results_are_put_together_in_order_whichever_is_made_first() {
+    for threads in [1, 2, 7] {
+        let setup = Setup { seed: 0, threads, memory: 0, progress: &Silent };
+        // Every fifth takes much longer than others.
+        let work = |i: u32| {
+            (0..if i.is_multiple_of(5) { 200_000 } else { 10 }).fold(i, |x, _| std::hint::black_box(x))
+        };
+        let folded: Vec<u32> = setup
+            .fold_tasks(100, work, |all: &mut Vec<u32>, i| {
+                append_tightly(all, vec![i; i as usize]);
+                Ok(())
+            })
+            .unwrap();
+        assert_eq!(folded, (0..100).flat_map(|i| vec![i; i as usize]).collect::<Vec<_>>());
+        assert!(folded.capacity() <= folded.len() * 9 / 8 + 100, "{}", folded.capacity());
+        let refused = SetupError::Refused("no".to_owned());
+        let refuse = |sum: &mut u32, i| {
+            *sum += i;
+            if *sum > 20 { Err(refused.clone()) } else { Ok(()) }
+        };
+        assert_eq!(setup.fold_tasks(6, work, refuse), Ok(15));
+        assert_eq!(setup.fold_tasks(9, work, refuse), Err(refused.clone()));
+    }
 }
 
 /// Pieces end anywhere, and each makes the states that it needs.

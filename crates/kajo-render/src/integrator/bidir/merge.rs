@@ -60,6 +60,7 @@ use super::techniques::AllTechniques;
 use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, VertexCounts, Volume};
 use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored, dither};
 use crate::integrator::transport::{LaneMis, SurfaceInteraction};
+use crate::setup::append_tightly;
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext, Setup, SetupError};
 
@@ -98,24 +99,21 @@ pub struct MergeBall {
 struct VertexBatch {
     on_surfaces: Vec<LightVertex>,
     in_media: Vec<LightVertex>,
+    /// Rays that were cast for them.
+    rays: RayCounters,
 }
 
 impl VertexBatch {
-    /// Memory while all of them are copied once.
-    fn bytes(&self) -> u64 {
-        (2 * (self.on_surfaces.len() + self.in_media.len()) * size_of::<LightVertex>()) as u64
+    /// Adds those of the paths after these.
+    fn append(&mut self, next: VertexBatch) {
+        append_tightly(&mut self.on_surfaces, next.on_surfaces);
+        append_tightly(&mut self.in_media, next.in_media);
+        self.rays += next.rays;
     }
 
-    /// All vertices of tasks, in their order.
-    fn of_all(tasks: Vec<VertexBatch>) -> VertexBatch {
-        let mut all = VertexBatch::default();
-        all.on_surfaces.reserve_exact(tasks.iter().map(|batch| batch.on_surfaces.len()).sum());
-        all.in_media.reserve_exact(tasks.iter().map(|batch| batch.in_media.len()).sum());
-        for batch in tasks {
-            all.on_surfaces.extend(batch.on_surfaces);
-            all.in_media.extend(batch.in_media);
-        }
-        all
+    fn bytes(&self) -> u64 {
+        let room = self.on_surfaces.capacity() + self.in_media.capacity();
+        room as u64 * size_of::<LightVertex>() as u64
     }
 }
 
@@ -375,17 +373,16 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                 let draws = SampleStream::new(&sampler, mix(setup.seed ^ SALT), [pass.k, 0], i);
                 self.keep_path(&merging, draws, &mut counting, &mut path, i, &mut batch);
             }
-            let bytes = batch.bytes();
-            ((batch, counting.rays), bytes)
+            VertexBatch { rays: counting.rays, ..batch }
         };
-        let too_many = || too_many(pass.paths, setup.memory);
-        let tasks = setup.tasks_in_memory(pass.paths.div_ceil(PATHS_A_TASK), work, too_many)?;
-        let mut rays = RayCounters::default();
-        tasks.iter().for_each(|&(_, taken)| rays += taken);
-        let all = VertexBatch::of_all(tasks.into_iter().map(|(batch, _)| batch).collect());
+        let all =
+            setup.fold_tasks(pass.paths.div_ceil(PATHS_A_TASK), work, |all: &mut VertexBatch, batch| {
+                all.append(batch);
+                if all.bytes() > setup.memory { Err(too_many(pass.paths, setup.memory)) } else { Ok(()) }
+            })?;
         merging.map = PhotonMap::new(all.on_surfaces, setup.threads);
         merging.in_media = PhotonMap::new(all.in_media, setup.threads);
-        Ok((merging, rays))
+        Ok((merging, all.rays))
     }
 
     /// Follows one path from a light and keeps its vertices.

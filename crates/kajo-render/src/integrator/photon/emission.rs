@@ -25,6 +25,7 @@ use crate::integrator::bidir::{
 };
 use crate::integrator::photon_map::{Arrival, Photon, dither};
 use crate::integrator::transport::{LaneMis, SurfaceInteraction};
+use crate::setup::append_tightly;
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext};
 use crate::{Setup, SetupError};
@@ -120,8 +121,17 @@ impl PhotonBatch {
         self.caustics.extend((wanted.caustics && route.is_caustic).then_some(photon));
     }
 
-    fn bytes(&self) -> usize {
-        (self.photons.len() + self.caustics.len() + self.in_media.len()) * size_of::<Photon>()
+    /// Adds those of the paths after these.
+    fn append(&mut self, next: PhotonBatch) {
+        append_tightly(&mut self.photons, next.photons);
+        append_tightly(&mut self.caustics, next.caustics);
+        append_tightly(&mut self.in_media, next.in_media);
+        self.rays += next.rays;
+    }
+
+    fn bytes(&self) -> u64 {
+        let room = [&self.photons, &self.caustics, &self.in_media].map(Vec::capacity);
+        room.iter().sum::<usize>() as u64 * size_of::<Photon>() as u64
     }
 }
 
@@ -166,21 +176,12 @@ impl<'a> PhotonEmission<'a> {
                 true => (begin..end)
                     .for_each(|i| self.emit_path::<WithMedia<'_>>(map, i, wavelengths, wanted, &mut batch)),
             }
-            // All of them are copied once.
-            let bytes = 2 * batch.bytes();
-            (batch, bytes as u64)
+            batch
         };
-        let too_many = || self.too_many(setup.memory);
-        let tasks = setup.tasks_in_memory(self.paths.div_ceil(PATHS_A_TASK), work, too_many)?;
-        let mut all = PhotonBatch::default();
-        all.photons.reserve_exact(tasks.iter().map(|task| task.photons.len()).sum());
-        for task in tasks {
-            all.photons.extend(task.photons);
-            all.caustics.extend(task.caustics);
-            all.in_media.extend(task.in_media);
-            all.rays += task.rays;
-        }
-        Ok(all)
+        setup.fold_tasks(self.paths.div_ceil(PATHS_A_TASK), work, |all: &mut PhotonBatch, batch| {
+            all.append(batch);
+            if all.bytes() > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(()) }
+        })
     }
 
     fn too_many(&self, memory: u64) -> SetupError {
