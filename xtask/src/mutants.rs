@@ -105,8 +105,10 @@ pub fn check(root: &Path, report: &mut Report) {
     if let Err(error) = copy_sources(root, &copy) {
         return report.add("copy of the sources", Err(vec![error.to_string()]));
     }
-    let test = "test --profile deep --package kajo-selftest --lib tests::every_row_passes";
-    report.run("the self-test as it is", Cargo::new(&copy, test));
+    let build = "test --profile deep --package kajo-selftest --lib";
+    let test =
+        || Cargo::new(&copy, &format!("{build} -- --exact tests::every_row_passes")).env("KAJO_DEEP", "1");
+    report.run("the self-test as it is", test());
     for mutant in &MUTANTS {
         let path = copy.join(mutant.file);
         let Ok(text) = fs::read_to_string(&path) else {
@@ -119,8 +121,8 @@ pub fn check(root: &Path, report: &mut Report) {
             continue;
         }
         // A mistake that does not compile would be seen by anybody.
-        report.run(&format!("{}: compiles", mutant.name), Cargo::new(&copy, &format!("{test} --no-run")));
-        report.run_to_fail(&format!("{}: is seen", mutant.name), Cargo::new(&copy, test));
+        report.run(&format!("{}: compiles", mutant.name), Cargo::new(&copy, &format!("{build} --no-run")));
+        report.run_to_fail(&format!("{}: is seen", mutant.name), test());
         if let Err(problem) = put(&text) {
             report.add("the sources put back", Err(problem));
         }

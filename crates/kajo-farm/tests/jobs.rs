@@ -28,8 +28,9 @@ const SCENE: &str = "
 
 const VIEWS: [View; 3] = [View::Color, View::Depth, View::Normals];
 
-fn scene() -> Scene {
-    let assets = MemoryAssets::new().with("s.txt", SCENE);
+/// * `settings`: a block, or nothing
+fn scene(settings: &str) -> Scene {
+    let assets = MemoryAssets::new().with("s.txt", format!("{SCENE} {settings}"));
     let loaded = kajo::load_from("s.txt", &assets, &LoadOptions::default());
     assert!(loaded.scene.is_some(), "{}", loaded.report(false));
     loaded.scene.unwrap()
@@ -43,13 +44,23 @@ struct Setup {
 
 impl Setup {
     fn new(integrator: &'static str, kind: SamplerKind, samples: u32, goal: Goal) -> Setup {
-        let scene = scene();
-        let asked = Settings {
-            size: Some([50, 38]),
-            integrator: Some(IntegratorName(integrator)),
-            samples: Some((kind, samples)),
-            ..Settings::default()
-        };
+        let integrator = Some(IntegratorName(integrator));
+        Setup::of(
+            scene(""),
+            Settings { integrator, samples: Some((kind, samples)), ..Settings::default() },
+            goal,
+        )
+    }
+
+    /// A render as a block of settings says.
+    fn said(settings: &str, samples: u32) -> Setup {
+        let samples = Some((SamplerKind::Sobol, samples));
+        let scene = scene(&format!("Settings {{ {settings} }}"));
+        Setup::of(scene, Settings { samples, ..Settings::default() }, Goal::default())
+    }
+
+    fn of(scene: Scene, asked: Settings, goal: Goal) -> Setup {
+        let asked = Settings { size: Some([50, 38]), ..asked };
         let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
         Setup { scene, settings, goal }
     }
@@ -205,6 +216,42 @@ fn the_picture_has_the_bytes_of_a_plain_render() {
                 assert!(
                     bytes(split, film) == expected,
                     "{workers} workers, {tile} pixels, {samples} samples"
+                );
+            }
+        });
+    }
+}
+
+/// Workers make photons, vertices, records and chains anew, or take up what others have learned: all of them are the same.
+#[test]
+fn what_integrators_keep_for_many_samples_is_the_same_for_all_workers() {
+    for (i, settings) in [
+        "integrator sppm  photons 500",
+        "integrator sppm  photons 500  spectral on",
+        "integrator photon  photons 2000  photonMap direct",
+        "integrator photon  photons 2000  photonMap gather",
+        "integrator photon  photons 2000  photonMap caustics",
+        "integrator vcm  photons 500",
+        "integrator irradiance  rays 64",
+        "integrator mlt",
+        "integrator mmlt  bounces 2",
+        "integrator path  guiding on  training 4",
+        "integrator path  lightChoice learned",
+        "integrator path  caustics manifold",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        Setup::said(settings, 6).run(|split, expected| {
+            for (tile, samples) in [(64, 1), (20, 4), (33, 3)] {
+                let folder = tempfile::tempdir().unwrap();
+                let job = job(folder.path(), split, tile, samples);
+                let workers = [1, 2, 3][i % 3];
+                let film = render(&job, split, workers, &|_, _| None)
+                    .unwrap_or_else(|error| panic!("{settings}: {error}"));
+                assert!(
+                    bytes(split, film) == expected,
+                    "{settings}: {workers} workers, {tile} pixels, {samples} samples"
                 );
             }
         });

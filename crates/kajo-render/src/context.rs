@@ -152,6 +152,9 @@ pub struct Auxiliary {
     /// Rays of the sample that were given up in bodies that bend light: a whole number, those of paths from lights included. Counted where
     /// samples are taken, for every integrator.
     pub lost: f32,
+    /// 1 where the sample looks at the dot that stands for a record of an irradiance cache, straight or by way of smooth mirrors and
+    /// glass, and 0 elsewhere.
+    pub record: f32,
 }
 
 /// Light for one position of the picture.

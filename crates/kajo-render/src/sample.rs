@@ -89,6 +89,12 @@ pub trait PixelIntegrator: Sync {
         None
     }
 
+    /// Whether the noise of a pixel can be told from its samples: they are independent, given a state whose choice changes no
+    /// mean, or each has a state of its own.
+    fn noise_is_known(&self) -> bool {
+        matches!(self.samples_per_state(), None | Some(SamplesPerState::ONE))
+    }
+
     /// The integrator with the state of part `k` of the samples: a function of the scene, the seed and `k`.
     ///
     /// # Errors

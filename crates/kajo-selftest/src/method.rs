@@ -84,6 +84,29 @@ pub const PATH_MANIFOLD: Method = method("path, manifold", "integrator path  cau
 pub const PHOTON_DIRECT: Method =
     method("photon, direct", "integrator photon  photons 100000  photonMap direct");
 
+/// What keeps photons and vertices for each sample of a picture of some pixels, few of them.
+pub const FEW_PHOTONS: &[Method] =
+    &[method("sppm", "integrator sppm  photons 2000"), method("vcm", "integrator vcm  photons 1000")];
+
+/// One map of photons behind one more ray, and one of caustics beside paths.
+pub const FEW_PHOTONS_IN_MAPS: &[Method] = &[
+    method("photon, gather", "integrator photon  photons 10000  photonMap gather"),
+    method("photon, caustics", "integrator photon  photons 10000  photonMap caustics"),
+];
+
+/// What keeps photons, vertices or records for a whole picture, where there is little but direct light: few of them, and in disks that
+/// the small floors of such scenes hold.
+pub const SHARED: &[Method] = &[
+    method("sppm", "integrator sppm  photons 200"),
+    method("vcm", "integrator vcm  photons 200  mergeRadius 0.002"),
+    method("photon, gather", "integrator photon  photons 2000  photonMap gather"),
+    method("photon, caustics", "integrator photon  photons 2000  photonMap caustics"),
+    IRRADIANCE,
+];
+
+/// Those of them that keep photons and vertices, and count mirrors among their bounces.
+pub const SHARED_PHOTONS: &[Method] = SHARED.split_at(4).0;
+
 /// What keeps photons, and makes as many of them as it takes samples.
 pub const PHOTONS: &[Method] = &[SPPM, VCM];
 

@@ -7,6 +7,7 @@ use egui::{Key, PointerButton, Vec2, vec2};
 use kajo::View;
 use kajo::kajo_math::{DVec2, DVec3};
 use kajo_studio::state::{Action, Shown};
+use kajo_testkit::every;
 
 /// A point of the ball that faces the camera.
 const ON_BALL: DVec3 = DVec3::new(-1.6, 1.4, 1.3);
@@ -125,7 +126,7 @@ fn a_fitted_camera_fits_the_picture_of_the_window() {
         "OrthographicCamera { fit ball 0.1  direction 0 -0.2 -1 }",
     ] {
         let mut window = Window::with(&SCENE.replace(home, camera), false);
-        for size in [Vec2::new(1500.0, 420.0), Vec2::new(700.0, 1000.0)] {
+        for size in every(2, [Vec2::new(1500.0, 420.0), Vec2::new(700.0, 1000.0)]) {
             window.harness.set_size(size);
             window.studio().shown = Shown::Preview;
             window.frames(4);

@@ -4,6 +4,8 @@
 //! change that makes a result wrong, and a number that is right by chance only.
 
 pub mod animated_model;
+pub mod anova;
+pub mod cases;
 pub mod chi_square;
 pub mod corpus;
 pub mod delta_e;
@@ -16,6 +18,8 @@ pub mod sphere;
 pub mod vdb;
 
 pub use animated_model::write_walker;
+pub use anova::p_of_equal_means;
+pub use cases::{every, is_deep};
 pub use chi_square::ChiSquare;
 pub use corpus::corpus;
 pub use delta_e::{delta_e_2000, lab};

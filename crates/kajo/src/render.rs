@@ -186,7 +186,7 @@ impl<'a> RenderRequest<'a> {
         if goal.adaptive || goal.noise.is_some() {
             layers = layers.with(Layer::Variance);
         }
-        if layers.has(Layer::Variance) && self.integrator(layers).samples_per_state().is_some() {
+        if layers.has(Layer::Variance) && !self.integrator(layers).noise_is_known() {
             return Err(RenderError::UnknownNoise(self.settings.integrator.name.0));
         }
         let spec = film_spec(self.camera(), self.settings, layers);

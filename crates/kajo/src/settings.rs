@@ -344,6 +344,28 @@ mod tests {
     }
 
     #[test]
+    fn integrators_that_do_not_tell_groups_of_lights_apart_say_so() {
+        let world = "Lights { PointLight { position 0 1 0 intensity 1 group key } } Group {}";
+        let scene = scene(&format!("{CAMERA} {world}"));
+        for (integrator, tells) in [
+            ("path", true),
+            ("bidirectional", true),
+            ("vcm", true),
+            ("light", false),
+            ("photon", false),
+            ("sppm", false),
+            ("irradiance", false),
+            ("mlt", false),
+            ("mmlt", false),
+            ("classic", false),
+        ] {
+            let asked = Settings { integrator: Some(IntegratorName(integrator)), ..Settings::default() };
+            let left_out = resolve(&scene, &asked, Defaults::Modern).left_out(&scene).join("; ");
+            assert_eq!(left_out.contains("of lights"), !tells, "{integrator}: {left_out}");
+        }
+    }
+
+    #[test]
     fn what_is_fast_is_followed_by_paths_and_said_to_be_left_out_by_others() {
         let world = "Materials { Matte emitter { color 0 0 0 emission 1 } }
             Group { MaterialIndex emitter Lorentz { velocity 0.5 0 0 Sphere { center 0 0 0 radius 1 } } }";

@@ -36,13 +36,15 @@ pub enum View {
     Variance,
     /// How many rays were given up in bodies that bend light.
     Lost,
+    /// Where the records of an irradiance cache are.
+    Records,
     /// The light of each group of emitters.
     Lights,
 }
 
 impl View {
     /// All views.
-    pub const ALL: [View; 12] = [
+    pub const ALL: [View; 13] = [
         View::Color,
         View::Depth,
         View::Normals,
@@ -54,13 +56,14 @@ impl View {
         View::Motion,
         View::Variance,
         View::Lost,
+        View::Records,
         View::Lights,
     ];
 
     /// Their names, in the same order.
-    pub const NAMES: [&'static str; 12] = [
+    pub const NAMES: [&'static str; 13] = [
         "color", "depth", "normals", "uv", "object", "material", "samples", "albedo", "motion", "variance",
-        "lost", "lights",
+        "lost", "records", "lights",
     ];
 
     /// The view of that name.
@@ -107,6 +110,7 @@ impl View {
             View::Motion => Layer::Motion,
             View::Variance => Layer::Variance,
             View::Lost => Layer::LostRays,
+            View::Records => Layer::CacheRecords,
             View::Lights => Layer::Light(0),
         }
     }
@@ -326,6 +330,9 @@ fn exr_layers(film: &Film, views: &[View], look: &Look<'_>) -> Result<Vec<ExrLay
                 others.push(named("variance", planes(&develop(film, Layer::Variance)?, &["R", "G", "B"])));
             }
             View::Lost => others.push(named("lost", planes(&develop(film, Layer::LostRays)?, &["count"]))),
+            View::Records => {
+                others.push(named("records", planes(&develop(film, Layer::CacheRecords)?, &["share"])));
+            }
             View::Lights => {
                 for (group, name) in (0..).zip(look.groups) {
                     let mut light = develop(film, Layer::Light(group))?;

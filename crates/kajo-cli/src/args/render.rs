@@ -33,7 +33,7 @@ pub struct RenderArgs {
     #[arg(long, value_names = ["X", "Y", "W", "H"], num_args = 4)]
     pub crop: Option<Vec<u32>>,
     /// A further picture, or without FILE a further layer of the OpenEXR file: depth, normals, uv, object,
-    /// material, samples, albedo, motion, variance, lost, lights [may be repeated]
+    /// material, samples, albedo, motion, variance, lost, records, lights [may be repeated]
     #[arg(long, value_name = "NAME[=FILE]", value_parser = values::aov(), action = clap::ArgAction::Append)]
     pub aov: Vec<Aov>,
     /// Layers of the OpenEXR file, separated by commas, or all

@@ -38,14 +38,17 @@ pub enum Layer {
     Variance,
     /// Rays of a sample that were given up in bodies that bend light; see [`RayCounters::lost`](crate::RayCounters::lost). Filtered.
     LostRays,
+    /// Whether the sample looks at the dot of a record of an irradiance cache, 1 or 0; see
+    /// [`Auxiliary::record`](crate::Auxiliary::record). Filtered.
+    CacheRecords,
     /// Radiance from one group of lights, counted from 0 and below [`MAX_LIGHT_GROUPS`]. Filtered.
     Light(u8),
 }
 
 impl Layer {
     /// Every layer, in the order in which films store them.
-    pub const ALL: [Layer; 13 + MAX_LIGHT_GROUPS] = {
-        let mut all = [Layer::Light(0); 13 + MAX_LIGHT_GROUPS];
+    pub const ALL: [Layer; 14 + MAX_LIGHT_GROUPS] = {
+        let mut all = [Layer::Light(0); 14 + MAX_LIGHT_GROUPS];
         let named = [
             Layer::Color,
             Layer::DepthMap,
@@ -55,6 +58,7 @@ impl Layer {
             Layer::Albedo,
             Layer::Motion,
             Layer::LostRays,
+            Layer::CacheRecords,
             Layer::Depth,
             Layer::ObjectId,
             Layer::MaterialId,
@@ -80,12 +84,13 @@ impl Layer {
             Layer::Albedo => 5,
             Layer::Motion => 6,
             Layer::LostRays => 7,
-            Layer::Depth => 8,
-            Layer::ObjectId => 9,
-            Layer::MaterialId => 10,
-            Layer::SampleCount => 11,
-            Layer::Variance => 12,
-            Layer::Light(group) => 13 + group as u32,
+            Layer::CacheRecords => 8,
+            Layer::Depth => 9,
+            Layer::ObjectId => 10,
+            Layer::MaterialId => 11,
+            Layer::SampleCount => 12,
+            Layer::Variance => 13,
+            Layer::Light(group) => 14 + group as u32,
         }
     }
 
@@ -95,7 +100,7 @@ impl Layer {
             Layer::Color | Layer::NormalMap | Layer::Normal => 3,
             Layer::Albedo | Layer::Light(_) | Layer::Variance => 3,
             Layer::Uv | Layer::Motion => 2,
-            Layer::DepthMap | Layer::Depth | Layer::LostRays => 1,
+            Layer::DepthMap | Layer::Depth | Layer::LostRays | Layer::CacheRecords => 1,
             Layer::ObjectId | Layer::MaterialId | Layer::SampleCount => 1,
         }
     }
@@ -219,7 +224,7 @@ const FILTERED: LayerSet = AUXILIARY
 
 /// The layers whose values are in [`Auxiliary`](crate::Auxiliary).
 const AUXILIARY: LayerSet = {
-    let mut set = LayerSet::of(&[Layer::Albedo, Layer::Motion, Layer::LostRays]);
+    let mut set = LayerSet::of(&[Layer::Albedo, Layer::Motion, Layer::LostRays, Layer::CacheRecords]);
     let mut group = 0;
     while group < MAX_LIGHT_GROUPS {
         set = set.with(Layer::Light(group as u8));

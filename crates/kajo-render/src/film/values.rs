@@ -7,7 +7,7 @@ use super::{FilmSpec, Layer};
 use crate::{Auxiliary, PixelSample};
 
 /// Most channels that the filtered layers can have together.
-pub(crate) const MAX_CHANNELS: usize = 18 + 3 * MAX_LIGHT_GROUPS;
+pub(crate) const MAX_CHANNELS: usize = 19 + 3 * MAX_LIGHT_GROUPS;
 
 /// The values of a sample for the filtered layers of a film, in their order, written into `values`.
 ///
@@ -40,6 +40,7 @@ pub(crate) fn filtered_values(
             Layer::Albedo => put(&aux.albedo),
             Layer::Motion => put(&aux.motion),
             Layer::LostRays => put(&[aux.lost]),
+            Layer::CacheRecords => put(&[aux.record]),
             Layer::Light(group) => put(&aux.lights[usize::from(group)]),
             Layer::Depth | Layer::ObjectId | Layer::MaterialId => {}
             Layer::SampleCount | Layer::Variance => {}
@@ -65,7 +66,8 @@ mod tests {
     fn values_come_in_the_order_of_the_layers() {
         let hit = FirstHit { t: 2.0, n: Vec3::NEG_Z, uv: Vec2::new(0.1, 0.2), object: 1, material: 2 };
         let sample = PixelSample { radiance: [1.0, 2.0, 3.0], first: Some(hit) };
-        let mut aux = Auxiliary { albedo: [0.6, 0.7, 0.8], motion: [-4.0, 5.0], ..Auxiliary::default() };
+        let mut aux =
+            Auxiliary { albedo: [0.6, 0.7, 0.8], motion: [-4.0, 5.0], record: 1.0, ..Auxiliary::default() };
         aux.lights[2] = [0.5, 1.0, 1.5];
         let depth_map = DepthMap { min: 0.0, max: 4.0, far_is_white: false };
         let mut values = [0.0; MAX_CHANNELS];
@@ -77,7 +79,8 @@ mod tests {
         let all = values_of(&Layer::ALL);
         assert_eq!(all[..12], [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.1, 0.2]);
         assert_eq!(all[12..17], [0.6, 0.7, 0.8, -4.0, 5.0]);
-        assert_eq!(all[17..23], [0.0; 6]);
+        assert_eq!(all[17..19], [0.0, 1.0]);
+        assert_eq!(all[19..24], [0.0; 5]);
         assert_eq!(values_of(&[Layer::Light(2)]), [0.5, 1.0, 1.5]);
         assert_eq!(values_of(&[Layer::ObjectId, Layer::Color]), [1.0, 2.0, 3.0]);
         assert_eq!(values_of(&[Layer::Normal]), [0.0, 0.0, -1.0]);

@@ -169,6 +169,11 @@ pub(crate) trait Integrator: Sync {
         None
     }
 
+    /// As [`PixelIntegrator::noise_is_known`].
+    fn noise_is_known(&self) -> bool {
+        matches!(Integrator::samples_per_state(self), None | Some(SamplesPerState::ONE))
+    }
+
     /// As [`PixelIntegrator::with_state`], for those that have some.
     fn with_state<'a>(&'a self, _k: u32, _setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         Err(SetupError::Refused("this integrator has no state".to_owned()))
@@ -195,6 +200,10 @@ impl<I: Integrator> PixelIntegrator for I {
 
     fn samples_per_state(&self) -> Option<SamplesPerState> {
         Integrator::samples_per_state(self)
+    }
+
+    fn noise_is_known(&self) -> bool {
+        Integrator::noise_is_known(self)
     }
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

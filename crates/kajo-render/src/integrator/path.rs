@@ -151,6 +151,11 @@ impl Integrator for Path<'_> {
         self.learns_lights().then_some(SamplesPerState::All)
     }
 
+    /// What is learned changes no mean.
+    fn noise_is_known(&self) -> bool {
+        true
+    }
+
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         learned::prepare(self, setup)
     }
@@ -240,6 +245,8 @@ mod emission_tests;
 mod lens_tests;
 #[cfg(test)]
 mod media_tests;
+#[cfg(test)]
+mod random_walk_tests;
 #[cfg(test)]
 mod relativistic_tests;
 #[cfg(test)]

@@ -29,7 +29,10 @@ const EDGE_ROUNDING: f64 = 1e-3;
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![mirror(draw), ball(draw), ball(draw), filters(draw)];
+    let shared: Vec<Form> =
+        forms.iter().flat_map(|form| [form.shared(), form.chained(), form.chained_by_length(3)]).collect();
     forms.extend(PRISMS.iter().map(|prism| least_turn(draw, prism)));
+    forms.extend(shared);
     forms
 }
 

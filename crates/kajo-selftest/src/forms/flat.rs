@@ -34,6 +34,14 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
             forms.push(light(draw, shape));
         }
     }
+    let shared: Vec<Form> = forms
+        .iter()
+        .filter(|form| {
+            form.name.contains("flat quad as a mirror") || form.name.contains("flat quad as a pane")
+        })
+        .flat_map(|form| [form.shared(), form.chained(), form.chained_by_length(1)])
+        .collect();
+    forms.extend(shared);
     forms
 }
 

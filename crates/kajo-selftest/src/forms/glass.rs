@@ -12,7 +12,11 @@ use crate::method::{GLASS, MIRRORS};
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let balls = [1.33, 1.5, 2.417].map(|n| ball(draw, n));
-    balls.into_iter().chain([sunk_light(draw), sunk_camera(draw)]).collect()
+    let mut forms: Vec<Form> = balls.into_iter().chain([sunk_light(draw), sunk_camera(draw)]).collect();
+    let shared: Vec<Form> =
+        forms.iter().flat_map(|form| [form.shared(), form.chained(), form.chained_by_length(2)]).collect();
+    forms.extend(shared);
+    forms
 }
 
 fn ball(draw: &mut Parameters, n: f64) -> Form {

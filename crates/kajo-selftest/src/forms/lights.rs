@@ -63,6 +63,16 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms.extend([wall(draw, SKIES, "sky"), wall(draw, &[OCCLUSION], "sky by occlusion")]);
     forms.extend([facing(draw), adjacent(draw), luminaire(draw, false), luminaire(draw, true)]);
     forms.push(gauze(draw));
+    // What is left of a small disk's light behind an edge takes many samples, so that one such scene is enough.
+    let is_small = |form: &Form| form.methods == SMALL_LIGHTS;
+    let small = forms.iter().rfind(|form| is_small(form)).into_iter();
+    let shared = forms.iter().filter(|form| !is_small(form) && form.methods != [OCCLUSION]).chain(small);
+    let shared = shared.map(Form::shared);
+    // Those that need few start samples.
+    let soon = ["S4 disk", "S4 sphere", "point light", "directional light", "disc in the sky"];
+    let is_soon = |form: &&Form| soon.iter().any(|name| form.name.starts_with(name));
+    let others: Vec<Form> = shared.chain(forms.iter().filter(is_soon).map(Form::chained)).collect();
+    forms.extend(others);
     forms
 }
 

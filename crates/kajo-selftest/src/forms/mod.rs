@@ -4,9 +4,11 @@ mod bodies;
 mod camera;
 mod caustic;
 mod curved;
+mod drop;
 mod flat;
 mod glass;
 mod gravity;
+mod half_space;
 mod lights;
 mod materials;
 mod media;
@@ -25,7 +27,7 @@ mod weak_lenses;
 use kajo_math::DVec3;
 
 use super::estimate::Estimate;
-use super::method::Method;
+use super::method::{MLT, MMLT, Method, SHARED};
 use super::parameters::Parameters;
 
 /// The least standard error of a mean of pictures by chains for each length, as a share of it: each picture begins with many samples of each length.
@@ -103,6 +105,27 @@ impl Form {
         Form { size, ..self }
     }
 
+    /// The same by what keeps photons, vertices or records for a whole picture, which is to have some pixels for that.
+    pub fn shared(&self) -> Form {
+        self.by("photons and records", SHARED)
+    }
+
+    /// The same by Markov chains, each of which needs some pixels.
+    pub fn chained(&self) -> Form {
+        self.by("chains", &[MLT])
+    }
+
+    /// The same by chains for each length, which are to be few: light that is scattered `bounces` times is all that there is.
+    pub fn chained_by_length(&self, bounces: u32) -> Form {
+        let settings = format!("bounces {bounces}");
+        Form { settings, ..self.clone() }.by("chains of lengths", &[MMLT]).least_noise(STARTS)
+    }
+
+    /// The same by these methods.
+    fn by(&self, what: &str, methods: &'static [Method]) -> Form {
+        Form { name: format!("{}, by {what}", self.name), methods, size: [32, 32], ..self.clone() }
+    }
+
     /// With a file.
     pub fn file(mut self, name: &str, content: String) -> Form {
         self.files.push((name.to_owned(), content));
@@ -138,7 +161,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 19] = [
+    let makers: [(&str, Maker); 21] = [
         ("rooms", rooms::forms),
         ("lights", lights::forms),
         ("bodies", bodies::forms),
@@ -146,10 +169,12 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("glass", glass::forms),
         ("caustics", caustic::forms),
         ("rainbow", rainbow::forms),
+        ("drop", drop::forms),
         ("surfaces", surfaces::forms),
         ("flat", flat::forms),
         ("materials", materials::forms),
         ("media", media::forms),
+        ("half space", half_space::forms),
         ("curved", curved::forms),
         ("gravity", gravity::forms),
         ("camera", camera::forms),

@@ -26,6 +26,9 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     );
     forms.extend(["tree", "uniform"].map(|choice| many(draw, choice)));
     forms.extend([painted(draw, "a picture"), painted(draw, "holes"), striped(draw)]);
+    let shared = forms.iter().filter(|form| form.methods == LIGHTS).map(Form::shared);
+    let others: Vec<Form> = shared.chain([forms[0].chained()]).collect();
+    forms.extend(others);
     forms
 }
 

@@ -21,10 +21,11 @@ use std::f64::consts::PI;
 
 use kajo_math::DVec3;
 
+use super::quadrature::simpson;
 use super::{Form, Parameters, STARTS, spot_meter, text};
 use crate::method::{
-    BIDIRECTIONAL, BOUNCES, CACHES, DIRECT, GLOBAL, LIGHT, MLT, MMLT, Method, PATH, PATH_LIGHTS,
-    PATH_SPECTRAL, PHOTONS, PHOTONS_SPECTRAL, SIZE_BY_WAVELENGTH,
+    BIDIRECTIONAL, BOUNCES, CACHES, DIRECT, FEW_PHOTONS, FEW_PHOTONS_IN_MAPS, GLOBAL, LIGHT, MLT, MMLT,
+    Method, PATH, PATH_LIGHTS, PATH_SPECTRAL, PHOTONS, PHOTONS_SPECTRAL, SIZE_BY_WAVELENGTH,
 };
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
@@ -75,6 +76,14 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms.push(by_chains(room, CHAINS));
     forms.push(by_chains(light_in_ball(draw, CHAINS, true), CHAINS));
     forms.push(by_chains(emissive(draw, &ROOMS[2], Some(2)), CHAINS_OF_LENGTHS).least_noise(STARTS));
+    forms.extend([
+        light_in_ball_seen_widely(draw, FEW_PHOTONS, None).rounding(BLUR),
+        light_in_ball_seen_widely(draw, FEW_PHOTONS_IN_MAPS, None)
+            .rounding(BLUR)
+            .least_noise(OF_ONE_MAP)
+            .size([16, 16]),
+        light_in_ball_seen_widely(draw, CHAINS_OF_LENGTHS, Some(3)).least_noise(STARTS),
+    ]);
     forms
 }
 
@@ -83,6 +92,9 @@ const CHAINS: &[Method] = &[MLT];
 
 /// Chains for each length, which are to be few.
 const CHAINS_OF_LENGTHS: &[Method] = &[MMLT];
+
+/// The noise of a map, of which a batch has one, however many samples it takes.
+const OF_ONE_MAP: f64 = 2.5e-3;
 
 /// What interpolation between a few records may change, as a share of the light.
 const RECORDS: f64 = 5e-3;
@@ -155,25 +167,76 @@ fn emissive(draw: &mut Parameters, room: &Room, bounces: Option<u32>) -> Form {
     if room.mesh.is_empty() { form } else { form.file("room.obj", room.mesh.to_owned()) }
 }
 
+/// A ball around the origin with a point light in it.
+struct LitBall {
+    rho: f64,
+    intensity: f64,
+    radius: f64,
+    light: DVec3,
+}
+
+impl LitBall {
+    fn draw(draw: &mut Parameters) -> LitBall {
+        let (rho, intensity, radius) =
+            (draw.between(0.2, 0.85), draw.between(0.5, 4.0), draw.between(0.8, 2.0));
+        LitBall { rho, intensity, radius, light: radius * draw.between(0.1, 0.7) * draw.direction(-1.0) }
+    }
+
+    /// Radiance of the wall at `p`, from light that was scattered `n` times; `None` for all of it.
+    fn radiance(&self, p: DVec3, n: Option<u32>) -> f64 {
+        let to_light = self.light - p;
+        let direct = to_light.normalize().dot(-p / self.radius) / to_light.length_squared();
+        let rest = n.map_or(1.0, |n| 1.0 - self.rho.powi(n as i32 - 1));
+        let indirect = self.rho * rest / (1.0 - self.rho) / (self.radius * self.radius);
+        self.rho / PI * self.intensity * (direct + indirect)
+    }
+
+    fn scene(&self, view: &str) -> String {
+        let LitBall { rho, intensity, radius, light } = self;
+        format!(
+            "{view}Lights {{ PointLight {{ position {}  intensity {intensity} {intensity} {intensity} }} }}\n\
+             Materials {{ Material m {{ diffuseColor {rho} {rho} {rho} }} }}\n\
+             Group {{ MaterialIndex m  Sphere {{ center 0 0 0  radius {radius} }} }}",
+            text(*light)
+        )
+    }
+}
+
 fn light_in_ball(draw: &mut Parameters, methods: &'static [Method], all_bounces: bool) -> Form {
-    let (rho, intensity, radius) = (draw.between(0.2, 0.85), draw.between(0.5, 4.0), draw.between(0.8, 2.0));
-    let light = radius * draw.between(0.1, 0.7) * draw.direction(-1.0);
-    let seen = radius * draw.direction(-1.0);
-    let to_light = light - seen;
-    let cos = to_light.normalize().dot(-seen / radius);
-    let direct = cos / to_light.length_squared();
-    let indirect = if all_bounces { rho / (1.0 - rho) / (radius * radius) } else { 0.0 };
-    let scene = format!(
-        "{}Lights {{ PointLight {{ position {}  intensity {intensity} {intensity} {intensity} }} }}\n\
-         Materials {{ Material m {{ diffuseColor {rho} {rho} {rho} }} }}\n\
-         Group {{ MaterialIndex m  Sphere {{ center 0 0 0  radius {radius} }} }}",
-        spot_meter(DVec3::ZERO, seen),
-        text(light)
-    );
+    let ball = LitBall::draw(draw);
+    let seen = ball.radius * draw.direction(-1.0);
     let name = match all_bounces {
-        true => format!("S2 point light in a ball, albedo {rho}"),
-        false => format!("S2 point emitter in a ball, albedo {rho}, its own light only"),
+        true => format!("S2 point light in a ball, albedo {}", ball.rho),
+        false => format!("S2 point emitter in a ball, albedo {}, its own light only", ball.rho),
     };
-    let expected = rho / PI * intensity * (direct + indirect);
-    Form::new(name, scene, expected, methods).bounces(WITHOUT_END)
+    let expected = ball.radiance(seen, if all_bounces { None } else { Some(1) });
+    Form::new(name, ball.scene(&spot_meter(DVec3::ZERO, seen)), expected, methods).bounces(WITHOUT_END)
+}
+
+/// The same in a picture, whose mean is the integral over it; from the middle all of the wall is as far away.
+///
+/// * `scatterings`: `None` for all
+fn light_in_ball_seen_widely(
+    draw: &mut Parameters,
+    methods: &'static [Method],
+    scatterings: Option<u32>,
+) -> Form {
+    const ANGLE: f64 = 40.0;
+    let (ball, to) = (LitBall::draw(draw), draw.direction(-1.0));
+    let up = to.any_orthonormal_vector();
+    let (right, half) = (to.cross(up), (0.5 * ANGLE).to_radians().tan());
+    let at = |u: f64, v: f64| {
+        ball.radiance(ball.radius * (to + half * (u * right + v * up)).normalize(), scatterings)
+    };
+    let expected = 0.25 * simpson(-1.0, 1.0, 50, |u| simpson(-1.0, 1.0, 50, |v| at(u, v)));
+    let view = format!(
+        "PerspectiveCamera {{ center 0 0 0  direction {}  up {}  angle {ANGLE} }}\nBackground {{ color 0 0 0 }}\n",
+        text(to),
+        text(up)
+    );
+    let ended = scatterings.map_or(String::new(), |n| format!(", light scattered at most {n} times"));
+    let name = format!("S2 point light in a ball, albedo {}{ended}, seen widely", ball.rho);
+    Form::new(name, ball.scene(&view), expected, methods)
+        .bounces(scatterings.map_or(WITHOUT_END, |n| n - 1))
+        .size([32, 32])
 }

@@ -69,6 +69,7 @@ fn about(view: View) -> &'static str {
         View::Motion => "Where surfaces move while the shutter is open",
         View::Variance => "How uncertain each pixel still is",
         View::Lost => "How many rays were given up where light is bent",
+        View::Records => "Where the irradiance cache has its records",
         View::Lights => "The light of each emitter",
     }
 }
@@ -114,7 +115,7 @@ pub fn in_words(view: View, value: [f32; 3]) -> String {
         View::Depth => format!("{a:.4}"),
         View::Object | View::Material if a == 0.0 => "none".to_owned(),
         View::Object | View::Material | View::Samples => format!("{a:.0}"),
-        View::Lost => format!("{a:.3}"),
+        View::Lost | View::Records => format!("{a:.3}"),
         View::Uv | View::Motion => format!("{a:.3} {b:.3}"),
         View::Variance => format!("{a:.2e} {b:.2e} {c:.2e}"),
         View::Color | View::Normals | View::Albedo | View::Lights => format!("{a:.3} {b:.3} {c:.3}"),

@@ -32,7 +32,8 @@ fn every_view_fits_every_format() {
             let background = if view == View::Depth && format == Format::Exr { f32::INFINITY } else { 0.0 };
             let differs = image.pixel(0, 0) != image.pixel(4, 3);
             // Nothing moves or bends light, and the ball's middle and the background have no noise.
-            let is_even = matches!(view, View::Samples | View::Motion | View::Variance | View::Lost);
+            let is_even =
+                matches!(view, View::Samples | View::Motion | View::Variance | View::Lost | View::Records);
             assert!(differs || is_even, "{view:?} as {format} shows the ball");
             if matches!(view, View::Depth | View::Object | View::Material) && format != Format::Pfm {
                 assert_eq!(image.pixel(0, 0)[0], background, "{view:?} as {format}");
@@ -62,6 +63,7 @@ fn an_exr_file_holds_all_views() {
         ("motion", "Y"),
         ("variance", "B"),
         ("lost", "count"),
+        ("records", "share"),
         ("lights.other", "G"),
     ] {
         assert!(file.layer(Some(layer)).unwrap().channel(channel).is_some(), "{layer}.{channel}");

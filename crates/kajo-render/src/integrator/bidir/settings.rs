@@ -110,6 +110,7 @@ impl Prepare for BidirectionalSettings {
             return cut_off.into_iter().collect();
         }
         let notes = [
+            (scene.lighting.groups.len() > 1, "light tracing does not tell groups of lights apart"),
             (
                 !connects(scene, size),
                 "light from emitters does not find this camera, only perspective and orthographic ones",

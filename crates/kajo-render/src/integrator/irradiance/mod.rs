@@ -22,13 +22,13 @@ mod settings;
 use kajo_color::Spectrum;
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
-use kajo_math::Vec2;
+use kajo_math::{Vec2, Vec3};
 
 use super::Integrator;
 use super::camera_view::CameraView;
 use super::path::{DiffuseVertex, Indirect, IndirectLight, Path};
 use crate::trail::PathObserver;
-use crate::{LayerSet, PixelSample, SampleContext};
+use crate::{Layer, LayerSet, PixelSample, SampleContext};
 use crate::{SamplesPerState, Setup, SetupError, WithState};
 use builder::{Builder, FirstDiffuseVisitor};
 use octree::Octree;
@@ -43,6 +43,8 @@ pub struct IrradianceCaching<'a> {
     paths: Path<'a>,
     /// The same without layers.
     plain: Path<'a>,
+    /// Whether the picture has the layer of records.
+    wants_records: bool,
 }
 
 /// The records.
@@ -63,11 +65,16 @@ const POINT_COLOR: [f32; 3] = [1.0, 0.0, 0.0];
 impl Cache {
     /// The picture of the cache itself: what a white surface would send back of the indirect light, and points where records are.
     fn shown(&self, at: &IrradianceQuery) -> [f32; 3] {
-        if self.tree.is_record(at, self.turn, POINT) {
+        if self.is_record(at) {
             return POINT_COLOR;
         }
         let e = self.tree.irradiance(at, self.turn).unwrap_or_default();
         e.map(|e| e * std::f32::consts::FRAC_1_PI)
+    }
+
+    /// Whether a position lies in the dot that stands for a record.
+    fn is_record(&self, at: &IrradianceQuery) -> bool {
+        self.tree.is_record(at, self.turn, POINT)
     }
 
     /// Whether no more records are needed for a position.
@@ -107,6 +114,7 @@ impl<'a> IrradianceCaching<'a> {
             settings,
             paths: Path::through(camera, scene, settings.paths(), size, layers),
             plain: Path::through(camera, scene, settings.paths(), size, none),
+            wants_records: layers.has(Layer::CacheRecords),
         }
     }
 }
@@ -150,7 +158,13 @@ impl Integrator for Cached<'_> {
     ) -> PixelSample {
         let caching = self.caching;
         if !caching.settings.shows_records {
-            return caching.paths.observe_with(ctx, raster, observer, Lookup(&self.cache)).0;
+            let lookup = Lookup { cache: &self.cache, bounces: 0, seen: None };
+            let (sample, lookup) = caching.paths.observe_with(ctx, raster, observer, lookup);
+            if caching.wants_records {
+                ctx.aux.record =
+                    if lookup.seen.is_some_and(|at| self.cache.is_record(&at)) { 1.0 } else { 0.0 };
+            }
+            return sample;
         }
         let (sample, look) =
             caching.paths.observe_with(ctx, raster, observer, FirstDiffuseVisitor::from_camera());
@@ -161,7 +175,13 @@ impl Integrator for Cached<'_> {
 }
 
 /// Looks light up.
-struct Lookup<'c>(&'c Cache);
+struct Lookup<'c> {
+    cache: &'c Cache,
+    /// Of the path so far.
+    bounces: u32,
+    /// Where light was looked up that goes to the camera.
+    seen: Option<IrradianceQuery>,
+}
 
 impl IndirectLight for Lookup<'_> {
     const IS_ASKED: bool = true;
@@ -169,10 +189,17 @@ impl IndirectLight for Lookup<'_> {
     fn irradiance(&mut self, vertex: &DiffuseVertex<'_, '_>) -> Indirect {
         let &DiffuseVertex { surface, n, relief, .. } = vertex;
         let at = IrradianceQuery { p: surface.at.point.p, n, relief };
-        match self.0.tree.irradiance(&at, self.0.turn) {
+        if self.bounces == 0 {
+            self.seen.get_or_insert(at);
+        }
+        match self.cache.tree.irradiance(&at, self.cache.turn) {
             Some([r, g, b]) => Indirect::Irradiance(Spectrum::rgb(r, g, b)),
             None => Indirect::Unknown,
         }
+    }
+
+    fn hit(&mut self, bounces: u32, _p: Option<Vec3>) {
+        self.bounces = bounces;
     }
 }
 

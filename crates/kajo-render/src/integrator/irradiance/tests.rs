@@ -224,6 +224,36 @@ fn records_can_be_seen() {
     assert!(points > 10 && light > 1500, "{points} points, {light} pixels of even light");
 }
 
+/// In white light, dots alone have a colour in the picture of the records: the layer says how much of a pixel they take, seen in a mirror
+/// too.
+#[test]
+fn the_layer_of_records_shows_their_dots() {
+    let size = [32, 32];
+    let scene = scene(&format!(
+        "{} Lights {{ PointLight {{ position 0.5 0.5 0  intensity 1 1 1 }} }}
+         Materials {{ Matte wall {{ color 0.5 0.5 0.5 }}  Metal mirror {{ color 1 1 1 }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                  MaterialIndex mirror Quad {{ corner -1.9 -1.5 -1.9  edge1 1.5 0 0  edge2 0 3 0 }} }}",
+        camera([0.0, 0.0, 1.9], [0.0, -0.3, 0.0], 70.0)
+    ));
+    let layers = LayerSet::of(&[Layer::Color, Layer::CacheRecords]);
+    let of = |shows_records: bool| {
+        let settings = IrradianceSettings { shows_records, rays: 64, ..with(Gradients::Occlusion) };
+        let integrator = IrradianceCaching::new(&scene, settings, size, layers);
+        let film = Film::new(FilmSpec { layers, ..FilmSpec::new(size[0], size[1]) }, u64::MAX).unwrap();
+        render(&integrator, &film, &schedule(16), &Silent).unwrap();
+        [Layer::Color, Layer::CacheRecords].map(|layer| film.develop(layer).unwrap())
+    };
+    let ([_, shares], [shown, _]) = (of(false), of(true));
+    let mut dotted = [0, 0];
+    for (y, x) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (y, x))) {
+        let (share, [r, g, _]) = (shares.pixel(x, y)[0], [0, 1, 2].map(|i| shown.pixel(x, y)[i]));
+        assert!((r - g - share).abs() < 1e-3, "{x} {y}: {share} of {r} {g}");
+        dotted[usize::from(share > 0.1)] += 1;
+    }
+    assert!(dotted[0] > 400 && dotted[1] > 20, "{dotted:?}");
+}
+
 #[test]
 fn what_cannot_be_is_said() {
     let view = camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0);

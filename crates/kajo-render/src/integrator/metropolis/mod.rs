@@ -193,6 +193,11 @@ impl Integrator for Metropolis<'_> {
         Some(NonZeroU32::new(samples).map_or(SamplesPerState::ONE, SamplesPerState::Count))
     }
 
+    /// Mutations of one chain are alike, and land in all pixels.
+    fn noise_is_known(&self) -> bool {
+        false
+    }
+
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         let (starts, rays) = self.starts(k, setup)?;
         // Once is enough.

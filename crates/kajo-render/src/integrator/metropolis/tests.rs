@@ -1,11 +1,12 @@
 //! Markov chains against closed forms and against paths.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_math::rng::Stream;
 use kajo_scene::MemoryAssets;
-use kajo_testkit::Estimate;
+use kajo_testkit::{Estimate, every, is_deep, p_of_equal_means};
 
 use super::MutatedSamples::{ByTechnique, OfBothEnds, OfPaths};
 use super::allotment::Moments;
@@ -198,7 +199,7 @@ fn an_emissive_room_and_a_white_ball_are_as_bright_as_their_series() {
         camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0], 0.01)
     );
     let forms = [(&emissive, 30, 2.0), (&emissive, 1, 1.75), (&white, 60, 0.8 / PI * (1.0 / 2.25 + 4.0))];
-    for (text, bounces, expected) in forms {
+    for (text, bounces, expected) in every(2, forms) {
         let scene = scene(text);
         for samples in [OfPaths, OfBothEnds, ByTechnique] {
             let [.., found] =
@@ -263,9 +264,16 @@ fn chains_and_light_from_both_ends_agree_in_fog() {
 
 #[test]
 fn threads_tiles_and_stops_make_the_same_picture() {
-    let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
-    for samples in [OfBothEnds, ByTechnique] {
-        assert_same_picture(&chains(&scene, 3, samples), SIZE, &schedule(6, 1, 1, 0), [20, 11]);
+    let media = "Media { FunctionMedium m { function = 2 - x  sigma_s 0.6 1 0.8 }
+            Medium air { sigma_s 0.2  sigma_a 0.1 }  exterior air }
+        Materials { Interface cloud { medium m }";
+    let cloud = "Group { MaterialIndex cloud Sphere { center -1 -1 0 radius 0.7 }";
+    let foggy = BOX.replacen("Materials {", media, 1).replacen("Group {", cloud, 1);
+    for text in [BOX, &foggy] {
+        let scene = scene(&format!("{} {text}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+        for samples in [OfPaths, OfBothEnds, ByTechnique] {
+            assert_same_picture(&chains(&scene, 3, samples), SIZE, &schedule(6, 1, 1, 0), [20, 11]);
+        }
     }
 }
 
@@ -429,6 +437,46 @@ fn parts_of_a_render_count_what_the_whole_does() {
     let other = film();
     render(&path, &other, &settings, &Silent).unwrap();
     assert_eq!(restored(&other).r_hat(), None);
+}
+
+/// Means of the first channel over tiles of 8 x 10 pixels, of so many samples of a render.
+fn tile_means(integrator: &Metropolis<'_>, samples: Range<u32>, seed: u64) -> Vec<f64> {
+    let film = film();
+    let unit = Unit { tile: film.spec().rect(), samples, limits: Unit::UNLIMITED };
+    let settings = schedule(unit.samples.end, seed, 1, 0);
+    render_work_unit(integrator, &film, &settings, &Position::default(), &unit, &Silent).unwrap();
+    let image = film.develop(Layer::Color).unwrap();
+    let mut sums = vec![0.0; 6];
+    for (i, pixel) in image.data().chunks_exact(3).enumerate() {
+        let (x, y) = (i % SIZE[0] as usize, i / SIZE[0] as usize);
+        sums[x / 8 + 3 * (y / 10)] += f64::from(pixel[0]) / 80.0;
+    }
+    sums
+}
+
+/// Means of tiles do not depend on the seed by more than their noise: start samples, which all chains of a render share, the choice
+/// of their beginnings and of their lengths, all of it.
+#[test]
+fn seeds_agree_in_every_tile() {
+    const SEEDS: u64 = 16;
+    let parts = if is_deep() { 6 } else { 3 };
+    let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+    for (samples, per_part) in every(2, [(OfBothEnds, 2), (ByTechnique, 8)]) {
+        let settings = MetropolisSettings { bounces: 2, samples, ..MetropolisSettings::default() };
+        let integrator = Metropolis::new(&scene, settings, SIZE, LayerSet::of(&[Layer::Color]));
+        let of_seed = |seed: u64| -> Vec<Vec<f64>> {
+            (0..parts)
+                .map(|part| tile_means(&integrator, part * per_part..(part + 1) * per_part, seed))
+                .collect()
+        };
+        let seeds: Vec<Vec<Vec<f64>>> = (0..SEEDS).map(of_seed).collect();
+        for tile in 0..6 {
+            let groups: Vec<Vec<f64>> =
+                seeds.iter().map(|parts| parts.iter().map(|means| means[tile]).collect()).collect();
+            let p = p_of_equal_means(&groups);
+            assert!(p > 1e-3, "{samples:?}, tile {tile}: p = {p}");
+        }
+    }
 }
 
 /// A film that was saved and read again.

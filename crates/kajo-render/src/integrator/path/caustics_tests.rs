@@ -2,11 +2,14 @@
 
 use std::f64::consts::PI;
 
+use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::settings::{Caustics, Technique};
 use kajo_testkit::Estimate;
 
 use super::tests::{camera, mean_of, scene};
 use super::*;
+use crate::RenderSettings;
+use crate::integrator::same_picture::assert_same_picture;
 
 const WALKS: PathSettings =
     PathSettings { caustics: Caustics::Manifold, bounces: 2, ..PathSettings::DEFAULT };
@@ -307,6 +310,24 @@ fn walks_keep_to_the_limits_of_paths() {
     let bare = under("", -0.6, 0.5, 0.02);
     let plain = PathSettings { caustics: Caustics::Scattering, ..WALKS };
     assert_eq!(mean(&bare, WALKS, 50).mean, mean(&bare, plain, 50).mean);
+}
+
+#[test]
+fn threads_tiles_and_stops_make_the_same_picture() {
+    let size = [20, 16];
+    let scene = slab(
+        0.5,
+        "Lights { PointLight { position 0 2 0  intensity 3 } }",
+        "Glass glass { }  Matte emitter { color 0 0 0  emission 3 }",
+        "Sphere { center 0.5 2 -0.5  radius 0.3 }",
+    );
+    for spectral in [false, true] {
+        let settings = PathSettings { spectral, ..WALKS };
+        let layers = LayerSet::of(&[crate::Layer::Color]);
+        let integrator = integrator_of(&scene.output.camera, &scene, settings, size, layers);
+        let schedule = RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
+        assert_same_picture(&*integrator, size, &schedule, [2, 1]);
+    }
 }
 
 /// A clear ball in an even light is not seen, nor is its shadow.

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use kajo_core::medium::Phase;
 use kajo_core::settings::Technique;
+use kajo_testkit::every;
 
 use super::media_tests::under_a_white_sky;
 use super::tests::{TECHNIQUES, camera, mean, mean_of, scene};
@@ -36,7 +37,7 @@ fn ball(view: &str, medium: &str) -> Scene {
 #[test]
 fn media_of_albedo_1_are_not_seen_under_a_uniform_sky() {
     let grid = "GridMedium m { size 2 2 2 values 1 0.2 0 0.7 0.4 1 0.6 0.1 min -1 -1 -1 max 1 1 1";
-    for (medium, phase) in [("Medium m {", COLORS), (grid, COLORS), ("Medium m {", SPECTRAL)] {
+    for (medium, phase) in every(2, [("Medium m {", COLORS), ("Medium m {", SPECTRAL), (grid, COLORS)]) {
         for from in [[0.3, 0.2, 4.0], [0.1, -0.3, 0.1]] {
             let view = under_a_white_sky(from, [0.0, -0.2, -0.1]);
             let scene = ball(&view, &format!("{medium} sigma_s 2 3 4 {phase} }}"));
@@ -106,7 +107,7 @@ fn columns_of_colours_are_media_of_one_colour() {
         column("0 3  30 2  90 0.5  140 0.9  180 0.2"),
         column("0 0  30 1  90 1  140 2  180 0.1"),
     ));
-    for lane in 0..3 {
+    for lane in every(2, 0..3) {
         let [one, three] = [&one, &three].map(|scene| mean(scene, settings(50), 20_000, lane));
         let sigma = one.standard_error.hypot(three.standard_error);
         assert!((one.mean - three.mean).abs() < 4.0 * sigma, "{lane}: {one:?} {three:?}");
@@ -126,9 +127,8 @@ fn all_ways_find_the_same_light() {
                       MaterialIndex light Quad {{ corner -1 2 -1 edge1 2 0 0 edge2 0 0 2 }} }}"
         )
     };
-    for (phase, spectral, lane) in
-        [(COLORS, false, 0), (COLORS, false, 2), (COLORS, true, 1), (SPECTRAL, true, 2)]
-    {
+    let cases = [(COLORS, false, 0), (COLORS, false, 2), (COLORS, true, 1), (SPECTRAL, true, 2)];
+    for (phase, spectral, lane) in every(2, cases) {
         let scene = scene(&text(phase));
         let of = |technique| PathSettings { technique, spectral, ..settings(4) };
         let combined = mean(&scene, of(Technique::Combined), 12_000, lane);

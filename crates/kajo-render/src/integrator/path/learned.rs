@@ -158,13 +158,15 @@ impl PathObserver for Recorder {
 #[cfg(test)]
 mod tests {
     use kajo_core::light::LightChoice;
+    use kajo_core::sampler::{Sampler, SamplerKind};
     use kajo_core::scene::Scene;
     use kajo_core::settings::Technique;
 
     use super::super::PathSettings;
     use super::super::tests::{camera, mean_of, scene};
     use super::*;
-    use crate::{LayerSet, PixelIntegrator, Silent};
+    use crate::integrator::same_picture::assert_same_picture;
+    use crate::{Layer, LayerSet, PixelIntegrator, RenderSettings, Silent};
 
     fn settings() -> PathSettings {
         PathSettings { light_choice: LightChoice::Learned, bounces: 2, ..PathSettings::default() }
@@ -213,6 +215,15 @@ mod tests {
         let [one, three] = [1, 3].map(|threads| learn(&path, &setup(threads)).unwrap().0);
         assert!(one == three);
         assert!(one.bytes() > 4096, "{}", one.bytes());
+    }
+
+    #[test]
+    fn threads_tiles_and_stops_make_the_same_picture() {
+        let size = [20, 16];
+        let scene = walled(&camera([-4.0, 3.0, 5.0], [-4.0, 0.0, 0.0]).replace("angle 0.01", "angle 60"));
+        let path = Path::new(&scene, settings(), size, LayerSet::of(&[Layer::Color]));
+        let schedule = RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
+        assert_same_picture(&path, size, &schedule, [9, 5]);
     }
 
     /// A sky of one colour is drawn where nothing but drawing finds it.

@@ -183,4 +183,6 @@ impl<'v, V: ReusedVolume<'v>> Integrator for Merged<'_, 'v, V> {
 }
 
 #[cfg(test)]
+mod convergence_tests;
+#[cfg(test)]
 mod tests;

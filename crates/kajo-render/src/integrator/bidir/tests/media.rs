@@ -1,5 +1,7 @@
 //! Participating media: all ways are one, closed forms, and the same light as by path tracing.
 
+use kajo_testkit::every;
+
 use super::ways::{check_merged_light, check_ways_within};
 use super::*;
 use crate::integrator::same_picture::assert_same_picture;
@@ -26,15 +28,12 @@ const LOW: &str = "MaterialIndex body Box { min -0.6 -0.9 -0.6  max 0.6 -0.3 0.3
 /// collisions near the camera or near each other are joined.
 #[test]
 fn all_ways_through_media_are_one() {
-    let air = room("Medium air { sigma_s 0.4  sigma_a 0.2  g 0.3 }  exterior air", "", CEILING, "");
-    check_ways_within(&air, 1, 4000, 0.2);
     let body = "Interface body { medium m }";
-    let grey = room(&format!("{GRID} sigma_s 1.5 sigma_a 0.3 }}"), body, CEILING, BODY);
-    check_ways_within(&grey, 1, 6000, 0.2);
+    let air = room("Medium air { sigma_s 0.4  sigma_a 0.2  g 0.3 }  exterior air", "", CEILING, "");
+    let in_body = |media: &str| room(media, body, CEILING, BODY);
     let coloured = format!(
         "{GRID} sigma_s 0.3 1 2.5  sigma_a 0.8 0.2 0.1  g -0.4 }}  Medium air {{ sigma_s 0.3 0.1 0.2 }} exterior air"
     );
-    check_ways_within(&room(&coloured, body, CEILING, BODY), 1, 6000, 0.2);
     // Three in one place, each with its own phase function.
     let three = format!(
         "{GRID} sigma_s 0.5 1 2  sigma_a 0.4 0.2 0.1  phaseTable 0 0  90 2  180 1 }}
@@ -43,15 +42,20 @@ fn all_ways_through_media_are_one() {
     );
     let bodies = format!("{BODY} MaterialIndex other Box {{ min -0.3 -0.9 -0.9  max 0.9 0.3 0.5 }}");
     let materials = "Interface body { medium m } Interface other { medium n }";
-    check_ways_within(&room(&three, materials, CEILING, &bodies), 1, 6000, 0.2);
     // A column for each colour, one of which sends nothing straight on.
     let columns = "phaseColors on  phaseTable 0 5 3 0  40 2 2 1  90 0.3 0.5 1  180 0.5 0.9 2";
-    let colored = format!("{GRID} sigma_s 1 1.5 2 sigma_a 0.3 {columns} }}");
-    check_ways_within(&room(&colored, body, CEILING, BODY), 1, 6000, 0.2);
-    // A density for each colour, alone and in air.
-    for air in ["", "Medium air { sigma_s 0.3 0.1 0.2 } exterior air"] {
-        let colored = format!("{COLORED_GRID} }} {air}");
-        check_ways_within(&room(&colored, body, CEILING, BODY), 1, 6000, 0.2);
+    let cases = [
+        (air, 4000),
+        (in_body(&format!("{GRID} sigma_s 1.5 sigma_a 0.3 }}")), 6000),
+        (in_body(&coloured), 6000),
+        (in_body(&format!("{GRID} sigma_s 1 1.5 2 sigma_a 0.3 {columns} }}")), 6000),
+        (room(&three, materials, CEILING, &bodies), 6000),
+        // A density for each colour, alone and in air.
+        (in_body(&format!("{COLORED_GRID} }}")), 6000),
+        (in_body(&format!("{COLORED_GRID} }} Medium air {{ sigma_s 0.3 0.1 0.2 }} exterior air")), 6000),
+    ];
+    for (text, samples) in every(2, cases) {
+        check_ways_within(&text, 1, samples, 0.2);
     }
 }
 
@@ -76,7 +80,7 @@ fn merging_in_glass_takes_nothing_and_adds_nothing() {
         "GridMedium m { file colors.vdb  grid Cd  min -1 0.3 -1 max 1 0.7 1  sigma_s 4 2 3  sigma_a 0.3 }";
     let hidden = "MaterialIndex hidden Box { min -3 0.4 -3  max 3 0.6 3 }";
     let cases = [(even, "", 8000), (grid, "", 14_000), (colors, "", 24_000), (even, hidden, 24_000)];
-    for (medium, more, samples) in cases {
+    for (medium, more, samples) in every(2, cases) {
         let text = format!(
             "PerspectiveCamera {{ center 0 0 0.95  direction 0 -0.6 -1  up 0 1 0  angle 70 }} Background {{ color 0 0 0 }} Media {{ {medium} }}
              Materials {{ Matte white {{ color 0.7 0.7 0.7 }} Matte emitter {{ color 0 0 0  emission 2 2 2 }} Glass body {{ indexOfRefraction 1.3  medium m }}
@@ -94,7 +98,7 @@ fn merging_in_glass_takes_nothing_and_adds_nothing() {
 fn all_ways_through_bodies_are_one() {
     let layers =
         "roughness 0.5  coat 0.5  coatColor 0.9 0.6 0.8  coatRoughness 0.5  fuzz 0.3  subsurfaceScale 0.6";
-    for share in [1.0, 0.6] {
+    for share in every(2, [0.6, 1.0]) {
         let body = format!("Principled body {{ color 0.9 0.7 0.6  subsurface {share}  {layers} }}");
         check_ways_within(&room("", &body, CEILING, LOW), 2, 6000, 0.4);
     }

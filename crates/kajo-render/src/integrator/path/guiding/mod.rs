@@ -100,6 +100,11 @@ impl Integrator for GuidedPath<'_> {
         Some(SamplesPerState::All)
     }
 
+    /// What is learned changes no mean.
+    fn noise_is_known(&self) -> bool {
+        true
+    }
+
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         let mut rays = RayCounters::default();
         let visibility = match self.path.learns_lights() {

@@ -3,6 +3,7 @@
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_image::Image;
 use kajo_scene::MemoryAssets;
+use kajo_testkit::every;
 
 use super::field::Known;
 use super::*;
@@ -122,7 +123,7 @@ fn estimate(mut of: impl FnMut(u64) -> Image) -> (f64, f64) {
 
 #[test]
 fn guided_paths_have_the_mean_of_others() {
-    for (text, spectral) in [(ROOM, false), (ROOM, true), (FURNACE, false), (HAZE, false)] {
+    for (text, spectral) in every(2, [(ROOM, true), (FURNACE, false), (HAZE, false), (ROOM, false)]) {
         let scene = scene(text);
         let settings = PathSettings { spectral, ..settings(100) };
         let path = always_guided(&scene, settings);
