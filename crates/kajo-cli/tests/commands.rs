@@ -234,11 +234,11 @@ fn control_characters_of_files_never_reach_the_terminal() {
 #[test]
 fn the_selftest_measures_what_is_asked_for() {
     let folder = Folder::new();
-    let text = folder.succeed("selftest --seed 7 --quick --only S7").stdout;
-    for part in ["seed 7;", " pass   S7 clear ball of index 1.5 in even light [path]", "rows pass"] {
+    let text = folder.succeed("selftest --seed 7 --quick --only absorber").stdout;
+    for part in ["seed 7;", " pass   S9 absorber of 1.739 over a chord at -0.292 [path]", "rows pass"] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    let json = folder.succeed("selftest --seed 7 --quick --only S7 --json").stdout;
+    let json = folder.succeed("selftest --seed 7 --quick --only absorber --json").stdout;
     assert!(json.starts_with(r#"{"seed":7,"batches":32,"noise":0.005,"pass":true,"rows":[{"#), "{json}");
     let list = folder.succeed("selftest --list --seed 7").stdout;
     assert!(list.lines().count() > 100 && list.contains("[distribution, uniform]"), "{list}");
