@@ -164,7 +164,7 @@ impl Drop for Tried<'_> {
 
 /// Checks all seeds, and mutations of them: fifty times as many with `KAJO_DEEP` set.
 fn run(name: &str, mutations: usize, check: impl Fn(&[u8])) {
-    let mutations = if std::env::var_os("KAJO_DEEP").is_some() { 50 * mutations } else { mutations };
+    let mutations = if kajo_testkit::is_deep() { 50 * mutations } else { mutations };
     let seeds = corpus(name);
     for (path, data) in &seeds {
         let _tried = Tried { name: path.clone(), data };

@@ -40,7 +40,7 @@ fn nothing_is_lost_in_random_sequences() {
         return do_random_things(PathBuf::from(folder));
     }
     // All of them take minutes.
-    sequences(if std::env::var_os("KAJO_DEEP").is_some() { 0..1000 } else { 0..25 });
+    sequences(if kajo_testkit::is_deep() { 0..1000 } else { 0..25 });
 }
 
 fn sequences(seeds: std::ops::Range<u64>) {

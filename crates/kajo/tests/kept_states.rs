@@ -1,23 +1,17 @@
 //! Checkpoints of integrators that keep something for many samples (photons, vertices, records, chains, what they have learned):
 //! whenever a render is stopped and taken up again, and on however many threads, the picture has the bytes of one that was never stopped.
 
+mod room;
+
 use std::ops::ControlFlow;
 use std::path::Path;
 
 use kajo::output::Target;
 use kajo::{
-    BitDepth, Defaults, Format, LoadOptions, MemoryAssets, Passes, Picture, RenderError, RenderSettings,
-    Resources, SamplerKind, Scene, Settings, Silent, Snapshot, View,
+    BitDepth, Defaults, Format, Passes, Picture, RenderError, RenderSettings, Resources, SamplerKind, Scene,
+    Settings, Silent, Snapshot, View,
 };
-
-const ROOM: &str = "
-    PerspectiveCamera { center 0 0 1.9  direction 0 -0.4 -1  up 0 1 0  angle 70 }
-    Background { color 0 0 0 }
-    Lights { PointLight { position -0.8 1.5 0.3  intensity 2 2 1 } }
-    Materials { Matte wall { color 0.6 0.5 0.4 }  Glass glass { }  Matte emitter { color 0 0 0  emission 5 } }
-    Group { MaterialIndex wall Box { min -2 -2 -2 max 2 2 2 }
-            MaterialIndex glass Sphere { center 0.5 -0.5 0 radius 0.8 }
-            MaterialIndex emitter Quad { corner -1.5 1.9 -1 edge1 1 0 0 edge2 0 0 1 } }";
+use room::{ROOM, load};
 
 /// The same room with smoke in it and in the ball.
 const SMOKE: &str = "Media { Medium air { sigma_s 0.1 0.2 0.3  sigma_a 0.05 }
@@ -41,13 +35,6 @@ const METHODS: [&str; 14] = [
 ];
 
 const OUTPUTS: [(View, Format); 1] = [(View::Color, Format::Exr)];
-
-fn load(text: &str) -> Scene {
-    let assets = MemoryAssets::new().with("room.txt", text);
-    let loaded = kajo::load_from("room.txt", &assets, &LoadOptions::default());
-    assert!(loaded.scene.is_some(), "{text}\n{}", loaded.report(false));
-    loaded.scene.unwrap()
-}
 
 /// A render of a scene of its own.
 struct Render {

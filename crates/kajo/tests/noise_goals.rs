@@ -1,20 +1,14 @@
 //! Goals for noise with integrators whose samples share photons, vertices or what was learned, and those that cannot have one.
 
+mod room;
+
 use std::ops::ControlFlow;
 
 use kajo::{
-    BitDepth, Defaults, Format, Goal, LoadOptions, MemoryAssets, Passes, Picture, RenderError,
-    RenderSettings, Resources, SamplerKind, Scene, Settings, Silent, View,
+    BitDepth, Defaults, Format, Goal, Passes, Picture, RenderError, RenderSettings, Resources, SamplerKind,
+    Scene, Settings, Silent, View,
 };
-
-const ROOM: &str = "
-    PerspectiveCamera { center 0 0 1.9  direction 0 -0.4 -1  up 0 1 0  angle 70 }
-    Background { color 0 0 0 }
-    Lights { PointLight { position -0.8 1.5 0.3  intensity 2 2 1 } }
-    Materials { Matte wall { color 0.6 0.5 0.4 }  Glass glass { }  Matte emitter { color 0 0 0  emission 5 } }
-    Group { MaterialIndex wall Box { min -2 -2 -2 max 2 2 2 }
-            MaterialIndex glass Sphere { center 0.5 -0.5 0 radius 0.8 }
-            MaterialIndex emitter Quad { corner -1.5 1.9 -1 edge1 1 0 0 edge2 0 0 1 } }";
+use room::{ROOM, load};
 
 /// Of one block, over which noise is estimated.
 const SIDE: u32 = 32;
@@ -32,9 +26,7 @@ struct Render {
 
 impl Render {
     fn new(integrator: &str, kind: SamplerKind, samples: u32, seed: u64) -> Render {
-        let text = format!("{ROOM}\nSettings {{ integrator {integrator}  bounces 3  filter none }}");
-        let assets = MemoryAssets::new().with("room.txt", text);
-        let scene = kajo::load_from("room.txt", &assets, &LoadOptions::default()).scene.unwrap();
+        let scene = load(&format!("{ROOM}\nSettings {{ integrator {integrator}  bounces 3  filter none }}"));
         let asked = Settings {
             size: Some([SIDE; 2]),
             samples: Some((kind, samples)),

@@ -4,7 +4,7 @@ use clap::Args;
 
 const EXAMPLES: &str = "\
 Examples:
-  kajo selftest --quick                    every row to half a per cent, in a quarter of an hour or so
+  kajo selftest --quick                    every row to half a per cent
   kajo selftest                            every row to a twentieth of a per cent
   kajo selftest --seed 7 --only S3         the polygons of seed 7
   kajo selftest --only 'path, lights'       one method of the path integrator

@@ -33,9 +33,9 @@ pub(super) const SURFACES: usize = ASPECTS * ALPHAS * INDICES;
 /// Nodes of each table.
 pub(super) const OF_TABLE: usize = COSINES * TURNS * SURFACES;
 
-/// Bytes of the tables of one shape: `d` of what is lost on the side of the lower index and of the higher one, and of what is reflected
-/// on the former, in signed 16-bit numbers; then the differences of `L` of both sides in single precision. Little endian; cosines fastest, then
-/// azimuths, ratios, roughnesses and indices.
+/// Bytes of the tables of one shape: `d` of what is lost on the side of the lower index and of the higher one, and of what
+/// is reflected on the former, in signed 16-bit numbers; then the differences of `L` of both sides in single precision.
+/// Little endian; cosines fastest, then azimuths, ratios, roughnesses and indices.
 pub(super) const OF_SHAPE: usize = 6 * OF_TABLE + 8 * SURFACES;
 
 /// Those of GGX, then those of Beckmann.
@@ -47,6 +47,12 @@ fn offset(shape: NormalDistribution) -> usize {
         NormalDistribution::Ggx => 0,
         NormalDistribution::Beckmann => OF_SHAPE,
     }
+}
+
+/// The tables of facets of one roughness, the root mean square of both, from which the averages `L` differ.
+pub(super) fn mean_surface(facets: &Microfacets, n: f32) -> EvenTables {
+    let Microfacets { shape, alpha_x, alpha_y } = *facets;
+    EvenTables::new(shape, (0.5 * (alpha_x * alpha_x + alpha_y * alpha_y)).sqrt(), n)
 }
 
 /// What one boundary loses.
@@ -99,7 +105,7 @@ impl BrushedClear {
             };
             index.mix(|n| alpha.mix(|a| aspect.mix(|q| node(n, a, q))))
         };
-        let even = EvenTables::new(shape, (0.5 * (rough * rough + fine * fine)).sqrt(), n).averages();
+        let even = mean_surface(facets, n).averages();
         let averages = [0, 1].map(|side| (even[side] + difference(side)).max(0.0));
         let (density, thin_share) = outlets(averages, n);
         let is_across = alpha_y > alpha_x;

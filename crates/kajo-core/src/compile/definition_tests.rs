@@ -124,7 +124,7 @@ fn many_names_are_looked_up_one_by_one() {
 /// Ten thousand objects; with `KAJO_DEEP` set, a million.
 #[test]
 fn many_instances_take_little_memory_and_are_all_hit() {
-    let side = if std::env::var_os("KAJO_DEEP").is_some() { 1000 } else { 100 };
+    let side = if kajo_testkit::is_deep() { 1000 } else { 100 };
     let row: String = (0..side).map(|i| format!("Instance ball {{ Translate {i} 0 0 }} ")).collect();
     let block: String = (0..side).map(|i| format!("Instance row {{ Translate 0 {i} 0 }} ")).collect();
     let s = scene(&format!(

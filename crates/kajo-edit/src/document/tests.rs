@@ -655,7 +655,7 @@ fn dice(seed: u64) -> impl FnMut(usize) -> usize {
 fn a_thousand_edits_are_undone_byte_for_byte() {
     for (seed, path) in (0..).zip(gallery()) {
         let mut d = Document::open(&path, LoadOptions::default()).unwrap();
-        let n = if seed == 0 || std::env::var_os("KAJO_DEEP").is_some() { 1000 } else { 60 };
+        let n = if seed == 0 || kajo_testkit::is_deep() { 1000 } else { 60 };
         let done = edit_and_undo(&mut d, n, &mut dice(seed));
         assert!(done > n / 5, "{}: only {done} of {n} edits were possible", path.display());
         assert!(!d.is_dirty());

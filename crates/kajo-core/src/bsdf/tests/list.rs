@@ -378,5 +378,5 @@ pub fn directions(n: u32) -> impl Iterator<Item = Vec3> {
 
 /// Whether tests that take long are to be run in full: `KAJO_DEEP` is set.
 pub fn deep() -> bool {
-    std::env::var_os("KAJO_DEEP").is_some()
+    kajo_testkit::is_deep()
 }

@@ -69,7 +69,7 @@ fn slope(kind: SamplerKind, powers: std::ops::RangeInclusive<u32>, integrand: &I
 #[track_caller]
 fn check(kind: SamplerKind, integrand: &Integrand, band: std::ops::RangeInclusive<f64>) {
     // Eight octaves; with KAJO_DEEP set, ten for the kinds that have as many points.
-    let deep = std::env::var_os("KAJO_DEEP").is_some() && kind != Pmj;
+    let deep = kajo_testkit::is_deep() && kind != Pmj;
     let top = if deep { 14 } else { 12 };
     let slope = slope(kind, 4..=top, integrand);
     assert!(band.contains(&slope), "{kind:?}, {}: slope {slope:.3}", integrand.name);

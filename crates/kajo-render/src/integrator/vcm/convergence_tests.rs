@@ -140,8 +140,7 @@ fn the_error_falls_as_the_power_two_thirds_of_the_passes() {
     let layers = LayerSet::of(&[]);
     let made = |settings| integrator_of(&scene.output.camera, &scene, settings, [SIDE, SIDE], layers);
     let expected = expected();
-    let [seeds, passes]: [u32; 2] =
-        if std::env::var_os("KAJO_DEEP").is_some() { [16, 1024] } else { [4, 256] };
+    let [seeds, passes]: [u32; 2] = if kajo_testkit::is_deep() { [16, 1024] } else { [4, 256] };
     let merged = made(settings);
     let mut sums = vec![0.0; passes.ilog2() as usize - 2];
     for seed in 0..seeds {
