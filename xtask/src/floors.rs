@@ -109,7 +109,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
     ),
     ("item_buffer", &["ids", "shape"]),
     ("curved_light", &["differential"]),
-    ("medium", &["curved_light", "differential", "family", "interaction", "texture"]),
+    ("medium", &["curved_light", "differential", "family", "interaction", "motion", "texture"]),
     ("objects", &[]),
     ("nested", &["ids", "interaction", "material", "objects", "shape"]),
     ("camera", &["interaction", "motion"]),

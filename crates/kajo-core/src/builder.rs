@@ -173,7 +173,8 @@ impl SceneBuilder {
     /// * `settings`: what the scene itself says about its picture
     ///
     /// # Errors
-    /// [`SceneError::NoCamera`], [`SceneError::EmptyPicture`], [`SceneError::NotFinite`], [`SceneError::LightMemory`].
+    /// [`SceneError::NoCamera`], [`SceneError::EmptyPicture`], [`SceneError::NotFinite`], [`SceneError::LightMemory`],
+    /// [`SceneError::FastMedium`].
     pub fn finish(mut self, settings: Settings) -> Result<Scene, SceneError> {
         let cameras = std::mem::take(&mut self.cameras);
         let camera = cameras.last().ok_or(SceneError::NoCamera)?.camera.clone();
@@ -204,13 +205,13 @@ impl SceneBuilder {
     /// Makes the scene with an output that may lack its cameras yet.
     ///
     /// # Errors
-    /// [`SceneError::LightMemory`].
+    /// [`SceneError::LightMemory`], [`SceneError::FastMedium`].
     pub(crate) fn finish_with(mut self, output: Output) -> Result<Scene, SceneError> {
         let shutter = self.shutter;
         let motions = std::mem::take(&mut self.motions);
         self.geometry.motions =
             motions.into_iter().map(|motion| MovingTransform::new(motion, shutter)).collect();
-        self.expose_moving_parts();
+        self.expose_moving_parts()?;
         let varied_emissions = self.area_lights().map_err(SceneError::LightMemory)?;
         // The classic rule: a scene without lights is fully lit by ambient light.
         let ambient = if self.light_list.is_empty() { Spectrum::WHITE } else { self.ambient };

@@ -105,6 +105,12 @@ pub enum SceneError {
     /// A shutter that closes before it opens.
     #[error("the shutter closes before it opens")]
     Shutter,
+    /// A medium whose matter goes so far while the shutter is open that nothing of it would be seen.
+    #[error(
+        "the matter of a `GridMedium` goes more than 100 times as far as its grid is wide while the shutter is open: \
+         `velocityScale` or the `shutter` of the camera is not what it should be"
+    )]
+    FastMedium,
     /// There is too little memory for the lights that emissive objects are.
     #[error("there is no memory for so many lights: {0}")]
     LightMemory(OverBudget),

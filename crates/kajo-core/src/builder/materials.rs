@@ -7,6 +7,7 @@ use crate::emission::SurfaceEmission;
 use crate::ids::MaterialSlot;
 use crate::light::LightGroups;
 use crate::material::{AnyMaterial, Appearance, MaterialId, Perforated};
+use crate::medium::VelocityGrid;
 use crate::texture::{
     AnyColorNode, AnyFloatNode, AnyTexture, Channel, ColorTexture, FloatTexture, NamedTexture,
     PictureChannel, PictureMap, Textures,
@@ -210,6 +211,8 @@ impl SceneBuilder {
         appearance.has_media = appearance.materials.ids().any(|id| appearance.has_medium(id));
         appearance.has_subsurface =
             appearance.media.ids().any(|id| appearance.media.coefficients(id).is_subsurface());
+        let mut velocities = appearance.media.ids().filter_map(|id| appearance.media.velocities(id));
+        appearance.has_moving_media = velocities.any(VelocityGrid::moves);
         appearance.bends_light = appearance.materials.ids().any(|id| appearance.bends_light(id));
         appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
     }

@@ -117,7 +117,13 @@ impl SceneBuilder {
     }
 
     /// Shows what has moving parts as the shutter sees it; see [`Surface::part_motion`](crate::shape::Surface::part_motion).
-    pub(super) fn expose_moving_parts(&mut self) {
+    pub(super) fn expose_moving_parts(&mut self) -> Result<(), SceneError> {
+        let media = &mut self.appearance.media;
+        media.expose(self.shutter);
+        let is_lost = |id| media.velocities(id).is_some() && media.bounds(id).is_none_or(|b| !b.is_finite());
+        if media.ids().any(is_lost) {
+            return Err(SceneError::FastMedium);
+        }
         let geometry = &mut self.geometry;
         geometry.shapes.expose(self.shutter);
         for primitive in &geometry.primitives {
@@ -129,6 +135,7 @@ impl SceneBuilder {
                 motion.hold_moving();
             }
         }
+        Ok(())
     }
 
     /// Gives a name to an object, by which programs show it.

@@ -21,6 +21,10 @@ choices! {
     }
 }
 
+/// What is behind the name of a vector in the names of the grids of its parts.
+const PARTS_OF_VECTORS: [[&str; 3]; 5] =
+    [[".x", ".y", ".z"], ["_x", "_y", "_z"], ["x", "y", "z"], ["_X", "_Y", "_Z"], ["X", "Y", "Z"]];
+
 /// How many numbers there may be along an axis.
 const COUNT: NumberRange = NumberRange { min: 1.0, max: u32::MAX as f64 };
 
@@ -284,6 +288,24 @@ impl Compiler<'_> {
     ) -> Option<VoxelGrid<T>> {
         let (index, _) = self.grid_of_file(file, Some(name))?;
         self.read_grid(file, index)
+    }
+
+    /// The names of three grids that hold the parts of vectors, where the file has these in place of one of the name itself.
+    pub(super) fn vector_names<'t>(
+        &mut self,
+        file: &At<'t, FileName>,
+        name: &At<'t, GridName>,
+    ) -> Option<Option<[At<'t, GridName>; 3]>> {
+        let entries = list_vdb(self.opened(file)?, &self.options.limits);
+        let entries = entries.map_err(|error| self.unreadable(file, error.to_string())).ok()?;
+        let has = |name: &str| entries.iter().any(|entry| entry.name == name);
+        let GridName(own) = &name.value;
+        if has(own) {
+            return Some(None);
+        }
+        let ways = PARTS_OF_VECTORS.iter().map(|parts| parts.map(|part| format!("{own}{part}")));
+        let found = ways.into_iter().find(|names| names.iter().all(|name| has(name)));
+        Some(found.map(|names| names.map(|part| At { value: GridName(part), item: name.item })))
     }
 
     /// Which grid of a file it is, and what the file says of it.

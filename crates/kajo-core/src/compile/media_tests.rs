@@ -42,6 +42,11 @@ fn cloud_vdb() -> Vec<u8> {
     bright.kind = VdbKind::Vec3;
     let mut dark = smoke("dark", [1.0, -0.5]);
     dark.kind = VdbKind::Vec3;
+    let vectors = |name: &str| {
+        let mut grid = smoke(name, [0.5, if name == "gale" { f32::INFINITY } else { -1.0 }]);
+        grid.kind = VdbKind::Vec3;
+        grid
+    };
     let grids = vec![
         colors,
         bright,
@@ -50,6 +55,13 @@ fn cloud_vdb() -> Vec<u8> {
         smoke("density", [1.0, 0.5]),
         smoke("sdf", [1.0, -0.5]),
         smoke("bad", [1.0, f32::NAN]),
+        vectors("vel"),
+        vectors("gale"),
+        smoke("vel.x", [1.0, 2.0]),
+        smoke("wind_X", [1.0, 2.0]),
+        smoke("wind_Y", [0.0; 2]),
+        smoke("wind_Z", [0.5; 2]),
+        smoke("half_x", [1.0; 2]),
     ];
     VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids }.to_bytes()
 }
@@ -136,6 +148,9 @@ fn grids_come_from_files_and_from_the_text() {
         "GridMedium m { file cloud.vdb sigma_a 0 temperature flame }",
         "GridMedium m { file cloud.vdb density 1 albedoGrid Cd temperature flame }",
         "GridMedium m { file cloud.vdb temperature flame }",
+        "GridMedium m { file cloud.vdb density 1 velocity vel }",
+        "GridMedium m { file cloud.vdb density 1 velocity wind velocityScale -2 albedoGrid Cd } exterior m",
+        "GridMedium m { file cloud.vdb grid bright density 1 temperature flame velocity wind min 3 -1 -1 }",
         "GridMedium m { file cloud.vdb grid bright density 1 albedoGrid Cd temperature flame max 19 1 1 }",
         "FunctionMedium m { function = x + y density 1 }",
         "Medium m { emission blackbody 1900 5 }",
@@ -299,6 +314,28 @@ fn mistakes_are_named() {
             "`temperature` names a grid of a .vdb",
         ),
         ("GridMedium m { density 1 file cloud.vdb temperature flame brightness -1 }", "at least 0"),
+        (
+            "GridMedium m { density 1 file cloud.vdb velocity speed }",
+            "there is no grid `speed` in `cloud.vdb`",
+        ),
+        ("GridMedium m { density 1 file cloud.vdb velocity half }", "there is no grid `half` in `cloud.vdb`"),
+        (
+            "GridMedium m { density 1 file cloud.vdb velocity density }",
+            "the grid `density` has 1 numbers in a voxel, not 3",
+        ),
+        (
+            "GridMedium m { density 1 file cloud.vdb velocity gale }",
+            "voxel (2, 0, 0) of the velocities is inf",
+        ),
+        ("GridMedium m { density 1 file cloud.df3 velocity vel }", "`velocity` names a grid of a .vdb"),
+        (
+            "GridMedium m { density 1 file cloud.vdb velocityScale 2 }",
+            "`velocityScale` cannot stand without `velocity`",
+        ),
+        (
+            "GridMedium m { density 1 file cloud.vdb velocity vel velocityScale 1e9 }",
+            "more than 100 times as far as its grid is wide",
+        ),
         (
             "GridMedium m { density 1 file bytes.raw size 4 1 1 encoding u8 grid a }",
             "`grid` cannot stand beside `size`",

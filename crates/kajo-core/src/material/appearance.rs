@@ -38,6 +38,8 @@ pub struct Appearance {
     /// Whether a body of any material is filled with what light is scattered in many times; see
     /// [`crate::medium::Coefficients::is_subsurface`].
     pub has_subsurface: bool,
+    /// Whether the matter of any medium moves while the shutter is open.
+    pub has_moving_media: bool,
     /// Whether a body of any material bends light, so that paths within have to be followed along curves.
     pub bends_light: bool,
     pub(crate) numbers: HashMap<MaterialId, u32>,

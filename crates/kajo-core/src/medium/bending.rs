@@ -18,7 +18,7 @@ macro_rules! only_bends_light {
         }
 
         fn majorants(&self, ray: &kajo_math::Ray) -> crate::medium::Majorants<'_> {
-            let nothing = crate::medium::Majorant { t_min: 0.0, t_max: ray.t_max, density: 0.0 };
+            let nothing = crate::medium::Majorant { t_min: 0.0, t_max: ray.t_max, density: 0.0, least: 0.0 };
             crate::medium::Majorants::one(nothing)
         }
 

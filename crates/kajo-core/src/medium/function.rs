@@ -66,9 +66,10 @@ impl FunctionMedium {
                 let k = f64::from(cell[axis]);
                 Interval::new(at(k - 1e-3), at(k + 1.0 + 1e-3))
             };
-            let highest = function.at(&[range(0), range(1), range(2)], &mut slots).hi;
-            // Rounded up.
-            if highest.is_nan() { f32::INFINITY } else { (highest.max(0.0) as f32).next_up() }
+            let Interval { lo, hi, .. } = function.at(&[range(0), range(1), range(2)], &mut slots);
+            // Rounded up; where the function has no value the density is 0.
+            let highest = if hi.is_nan() { f32::INFINITY } else { (hi.max(0.0) as f32).next_up() };
+            [if lo > 0.0 { lo as f32 } else { 0.0 }, highest]
         });
         if !majorants.largest().is_finite() {
             return Err(FunctionMediumError::Unbounded);

@@ -50,6 +50,14 @@ pub enum GridError {
         /// What it is.
         value: f32,
     },
+    /// A velocity that is none.
+    #[error("voxel ({}, {}, {}) of the velocities is {value}", voxel[0], voxel[1], voxel[2])]
+    Velocity {
+        /// Its place, from the corner of the box of the grid.
+        voxel: [u32; 3],
+        /// What it is.
+        value: f32,
+    },
     /// A density that is none, of a file with places.
     #[error("voxel ({}, {}, {}) of the grid is {value}: densities are finite and not negative", voxel[0], voxel[1], voxel[2])]
     Voxel {
@@ -96,19 +104,20 @@ impl DensityGrid {
         mix(plane(low[2]), plane(high[2]), f.z)
     }
 
-    /// The largest value that interpolation reads in a block of voxels, from `low` to before `high` along each axis.
-    fn maximum(&self, low: [u32; 3], high: [u32; 3]) -> f32 {
+    /// The least and the largest value that interpolation reads in a block of voxels, from `low` to before `high` along each axis.
+    fn extremes(&self, low: [u32; 3], high: [u32; 3]) -> [f32; 2] {
         let [nx, ny, _] = self.size.map(|n| n as usize);
         let range = |axis: usize| low[axis].saturating_sub(1)..(high[axis] + 1).min(self.size[axis]);
-        let mut largest = 0f32;
+        let (mut least, mut largest) = (f32::INFINITY, 0f32);
         for z in range(2) {
             for y in range(1) {
                 let row = (z as usize * ny + y as usize) * nx;
                 let values = &self.values[row + range(0).start as usize..row + range(0).end as usize];
+                least = values.iter().copied().fold(least, f32::min);
                 largest = values.iter().copied().fold(largest, f32::max);
             }
         }
-        largest
+        [least, largest]
     }
 
     /// Bounds of blocks of voxels.
@@ -126,7 +135,7 @@ impl DensityGrid {
                 let (voxels, cells) = edge(axis, cell[axis] + 1);
                 voxels.div_ceil(cells) as u32
             });
-            self.maximum(low, high)
+            self.extremes(low, high)
         })
     }
 }
@@ -202,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn no_density_is_above_its_bound() {
+    fn all_densities_are_between_their_bounds() {
         for size in [[7, 1, 5], [33, 20, 9], [300, 2, 3]] {
             let grid = DensityGrid::new(size, random(size)).unwrap();
             let bounds = Aabb { min: Vec3::new(-2.0, 1.0, 0.0), max: Vec3::new(1.0, 2.0, 5.0) };
@@ -219,6 +228,7 @@ mod tests {
                         let t = m.t_min + (k as f32 + 0.5) / 8.0 * (m.t_max - m.t_min);
                         let density = medium.density(&Textures::default(), ray.at(t));
                         assert!(density <= m.density * 1.0001 + 1e-5, "{size:?} {t}: {density} {m:?}");
+                        assert!(density >= m.least * 0.9999 - 1e-5, "{size:?} {t}: {density} {m:?}");
                     }
                 }
             }

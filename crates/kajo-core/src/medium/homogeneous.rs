@@ -37,7 +37,7 @@ impl Medium for HomogeneousMedium {
     }
 
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {
-        Majorants::one(Majorant { t_min: 0.0, t_max: ray.t_max, density: 1.0 })
+        Majorants::one(Majorant { t_min: 0.0, t_max: ray.t_max, density: 1.0, least: 1.0 })
     }
 
     #[inline]

@@ -1,42 +1,44 @@
-//! Bounds on a density, cell by cell of a box.
+//! Bounds on a density from above and from below, cell by cell of a box.
 //!
 //! A ray steps through the cells in the order in which it meets them [Amanatides and Woo 1987], so that collisions are drawn by a
 //! bound that is near the density where it is thin, and empty cells cost none.
 
 use kajo_math::{Aabb, Ray, Vec3};
 
-/// A stretch of a ray on which the density is nowhere more than a bound.
+/// A stretch of a ray on which the density is between two bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Majorant {
     /// Where it begins.
     pub t_min: f32,
     /// Where it ends.
     pub t_max: f32,
-    /// The bound.
+    /// The density is nowhere more: the majorant.
     pub density: f32,
+    /// Nor is it less, but for rounding.
+    pub least: f32,
 }
 
-/// A box of equal cells with a bound for each.
+/// A box of equal cells with bounds for each.
 #[derive(Clone, Debug)]
 pub struct MajorantGrid {
     bounds: Aabb,
     size: [u32; 3],
     /// Cells per unit length along each axis.
     cells_per_length: Vec3,
-    /// The bounds, x first.
-    maxima: Vec<f32>,
+    /// The least and the largest density, x first.
+    ranges: Vec<[f32; 2]>,
 }
 
 impl MajorantGrid {
     /// * `bounds`: the box, not flat
     /// * `size`: cells along each axis, at least one
-    /// * `maximum`: the bound of a cell
-    pub fn new(bounds: Aabb, size: [u32; 3], mut maximum: impl FnMut([u32; 3]) -> f32) -> MajorantGrid {
+    /// * `range`: the least and the largest density of a cell
+    pub fn new(bounds: Aabb, size: [u32; 3], mut range: impl FnMut([u32; 3]) -> [f32; 2]) -> MajorantGrid {
         let [nx, ny, nz] = size;
         let cells = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
-        let maxima = cells.map(&mut maximum).collect();
+        let ranges = cells.map(&mut range).collect();
         let cells_per_length = Vec3::from(size.map(|n| n as f32)) / bounds.extent();
-        MajorantGrid { bounds, size, cells_per_length, maxima }
+        MajorantGrid { bounds, size, cells_per_length, ranges }
     }
 
     /// The box.
@@ -46,7 +48,29 @@ impl MajorantGrid {
 
     /// The largest of all.
     pub fn largest(&self) -> f32 {
-        self.maxima.iter().copied().fold(0.0, f32::max)
+        self.ranges.iter().map(|&[_, most]| most).fold(0.0, f32::max)
+    }
+
+    /// The least and the largest density in a part of space; outside of the box it is 0.
+    pub fn range_in(&self, region: &Aabb) -> [f32; 2] {
+        let last = self.size.map(|n| n as i64 - 1);
+        let cell = |p: Vec3, pad: f32| {
+            let place = ((p - self.bounds.min) * self.cells_per_length).to_array();
+            // Where rounding might say the one beside, that one counts too.
+            place.map(|x| (x + pad).floor() as i64)
+        };
+        let (low, high) = (cell(region.min, -1e-3), cell(region.max, 1e-3));
+        if (0..3).any(|axis| high[axis] < 0 || low[axis] > last[axis]) {
+            return [0.0; 2];
+        }
+        let is_within = (0..3).all(|axis| low[axis] >= 0 && high[axis] <= last[axis]);
+        let range = |axis: usize| low[axis].max(0) as usize..=high[axis].min(last[axis]) as usize;
+        let [nx, ny, _] = self.size.map(|n| n as usize);
+        let rows = range(2).flat_map(|z| range(1).map(move |y| (z * ny + y) * nx));
+        let cells = rows.flat_map(|row| range(0).map(move |x| row + x));
+        let start = if is_within { [f32::INFINITY, 0.0] } else { [0.0; 2] };
+        let join = |[a, b]: [f32; 2], [c, d]: [f32; 2]| [a.min(c), b.max(d)];
+        cells.map(|cell| self.ranges[cell]).fold(start, join)
     }
 
     /// The cells along a ray.
@@ -94,7 +118,7 @@ impl Iterator for GridWalk<'_> {
             }
             let [x, y, z] = self.cell.map(|k| k as usize);
             let [nx, ny, _] = self.grid.size.map(|n| n as usize);
-            let density = self.grid.maxima[(z * ny + y) * nx + x];
+            let [least, density] = self.grid.ranges[(z * ny + y) * nx + x];
             let (t_min, t_max) = (self.t, crossings[axis].clamp(self.t, self.end));
             self.t = t_max;
             self.cell[axis] += if self.d[axis] > 0.0 { 1 } else { -1 };
@@ -103,7 +127,7 @@ impl Iterator for GridWalk<'_> {
                 self.end = f32::NEG_INFINITY;
             }
             if density > 0.0 && t_min < t_max {
-                return Some(Majorant { t_min, t_max, density });
+                return Some(Majorant { t_min, t_max, density, least });
             }
         }
         None
@@ -118,7 +142,7 @@ mod tests {
 
     fn grid() -> MajorantGrid {
         let bounds = Aabb { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(3.0, 1.5, 4.0) };
-        MajorantGrid::new(bounds, [5, 3, 4], |[x, y, z]| (1 + x + 10 * y + 100 * z) as f32)
+        MajorantGrid::new(bounds, [5, 3, 4], |[x, y, z]| [x as f32, (1 + x + 10 * y + 100 * z) as f32])
     }
 
     /// The stretches are those of the cells that the ray is in, and fill all of its way through the box.
@@ -144,10 +168,22 @@ mod tests {
                 let cell = (ray.at(0.5 * (m.t_min + m.t_max)) - grid.bounds.min) * grid.cells_per_length;
                 let [x, y, z] = cell.to_array().map(|x| x.floor());
                 if m.t_max - m.t_min > 1e-4 {
-                    assert_eq!(m.density, 1.0 + x + 10.0 * y + 100.0 * z, "{ray:?} {m:?}");
+                    assert_eq!([m.least, m.density], [x, 1.0 + x + 10.0 * y + 100.0 * z], "{ray:?} {m:?}");
                 }
             }
         }
+    }
+
+    /// A part of space has the bounds of the cells that it touches, and 0 where there are none.
+    #[test]
+    fn a_part_of_space_has_the_bounds_of_its_cells() {
+        let grid = grid();
+        let range = |min: [f32; 3], max: [f32; 3]| grid.range_in(&Aabb { min: min.into(), max: max.into() });
+        assert_eq!(range([-0.9, 0.1, 2.1], [-0.8, 0.2, 2.2]), [0.0, 1.0]);
+        assert_eq!(range([0.0, 0.6, 3.1], [1.0, 0.9, 3.2]), [1.0, 213.0]);
+        assert_eq!(range([0.0, 0.6, 3.1], [1.0, 0.9, 9.0]), [0.0, 313.0]);
+        assert_eq!(range([-9.0; 3], [9.0; 3]), [0.0, 325.0]);
+        assert_eq!(range([5.0; 3], [9.0; 3]), [0.0; 2]);
     }
 
     #[test]

@@ -31,6 +31,8 @@ mod placed_voxels;
 mod sparse;
 mod subsurface;
 mod textured;
+mod velocity_grid;
+mod voxel_cells;
 mod wormhole;
 
 pub use albedo_grid::{AlbedoGrid, AlbedoGridError};
@@ -49,6 +51,7 @@ pub use placed_voxels::{PlacedVoxels, affine};
 pub use sparse::{DensityVoxel, SparseGridMedium};
 pub use subsurface::albedo_of;
 pub use textured::TextureMedium;
+pub use velocity_grid::{VelocityComponents, VelocityGrid};
 pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 
 use kajo_color::{Spectrum, Wavelengths};
@@ -57,6 +60,7 @@ use kajo_math::{Aabb, Ray, Vec3};
 use crate::curved_light::{Chords, ConservedQuantity, Followed, RayState, Region};
 use crate::differential::RayDifferential;
 use crate::family::{NO_MEMBER, family};
+use crate::motion::Shutter;
 use crate::texture::{AnyTexture, Textures};
 
 /// What every medium can do.
@@ -72,7 +76,7 @@ pub trait Medium {
     /// What it does to light at the density 1.
     fn coefficients(&self) -> &Coefficients;
 
-    /// The density at a world-space point, not negative.
+    /// The density at a world-space point, not negative, at the moment that it is of.
     fn density(&self, textures: &Textures, p: Vec3) -> f32;
 
     /// Whether the density depends on the wavelength.
@@ -92,6 +96,14 @@ pub trait Medium {
 
     /// The world-space box outside of which there is nothing of it; `None` where it has no end.
     fn bounds(&self) -> Option<Aabb>;
+
+    /// How its matter moves while the shutter is open. What is asked at a point is then asked at its [source](VelocityGrid::source).
+    fn velocities(&self) -> Option<&VelocityGrid> {
+        None
+    }
+
+    /// Sees matter that moves through a shutter. Its [bounds](Medium::bounds) are no longer finite where it goes too far to be seen.
+    fn expose(&mut self, _shutter: Shutter) {}
 
     /// Whether the density is the same everywhere, so that transmittance has a closed form.
     fn is_homogeneous(&self) -> bool {
@@ -177,6 +189,10 @@ family! {
         /// See [`Medium::textures`].
         fn textures() -> Vec<AnyTexture<'_>>;
     }
+    all methods {
+        /// See [`Medium::expose`].
+        fn expose(shutter: Shutter);
+    }
     methods {
         /// See [`Medium::coefficients`].
         fn coefficients() -> &Coefficients;
@@ -190,6 +206,8 @@ family! {
         fn majorants(ray: &Ray) -> Majorants<'_>;
         /// See [`Medium::bounds`].
         fn bounds() -> Option<Aabb>;
+        /// See [`Medium::velocities`].
+        fn velocities() -> Option<&VelocityGrid>;
         /// See [`Medium::is_homogeneous`].
         fn is_homogeneous() -> bool;
         /// See [`Medium::bends_light`].

@@ -26,6 +26,16 @@ impl<T: VoxelValue> PlacedVoxels<T> {
         Aabb { min: Vec3::ZERO, max: Vec3::from(self.voxels.size().map(|n| n as f32)) }
     }
 
+    /// A box around a box of the world, in the space of the voxels.
+    pub(super) fn local(&self, region: &Aabb) -> Aabb {
+        region.transformed(&self.transform.object_from_world)
+    }
+
+    /// Whether a world-space point is in the box of the voxels.
+    pub(super) fn contains(&self, p: Vec3) -> bool {
+        self.extent().contains(self.transform.object_from_world.transform_point3(p))
+    }
+
     /// A value that `is_wrong` says is none, with its place from the corner of the box.
     pub fn find(&self, is_wrong: impl Fn(T) -> bool) -> Option<([u32; 3], T)> {
         let mut found = None;
@@ -66,6 +76,15 @@ impl<T: VoxelValue> PlacedVoxels<T> {
                 show(self.voxels.block(voxel).at(voxel), weight);
             }
         }
+    }
+}
+
+impl PlacedVoxels<[f32; 3]> {
+    /// The three numbers at a world-space point, interpolated; outside of the box those of its nearest voxel.
+    pub(super) fn vector(&self, p: Vec3) -> Vec3 {
+        let mut vector = Vec3::ZERO;
+        self.around(p, |value: [f32; 3], weight| vector += weight * Vec3::from(value));
+        vector
     }
 }
 

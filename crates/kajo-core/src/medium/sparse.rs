@@ -16,16 +16,12 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Aabb, Ray, Vec3};
-use kajo_scene::{Block, SparseVoxels, VoxelValue};
+use kajo_scene::{SparseVoxels, VoxelValue};
 
-use super::{Coefficients, GridError, MajorantGrid, Majorants, Medium, PlacedVoxels};
+use super::voxel_cells::VoxelCells;
+use super::{Coefficients, GridError, MajorantGrid, Majorants, Medium, PlacedVoxels, VelocityGrid};
+use crate::motion::Shutter;
 use crate::texture::{Textures, rgb_reflectance};
-
-/// Voxels that share a bound, along an axis, at least.
-const LEAST_BLOCK: u32 = 4;
-
-/// Bounds along an axis, at most.
-const MOST_CELLS: u32 = 64;
 
 /// What a voxel holds of a medium.
 pub trait DensityVoxel: VoxelValue {
@@ -55,23 +51,17 @@ impl DensityVoxel for [f32; 3] {
     const IS_COLORED: bool = true;
 
     fn density(grid: &PlacedVoxels<[f32; 3]>, p: Vec3) -> f32 {
-        color_at(grid, p).max_element()
+        grid.vector(p).max_element()
     }
 
     fn spectral_density(grid: &PlacedVoxels<[f32; 3]>, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
-        let color = color_at(grid, p);
+        let color = grid.vector(p);
         let most = color.max_element();
         if most <= 0.0 {
             return Spectrum::BLACK;
         }
         rgb_reflectance((color / most).to_array(), wavelengths) * most
     }
-}
-
-fn color_at(grid: &PlacedVoxels<[f32; 3]>, p: Vec3) -> Vec3 {
-    let mut color = Vec3::ZERO;
-    grid.around(p, |value: [f32; 3], weight| color += weight * Vec3::from(value));
-    color
 }
 
 /// A medium by voxels of which most may be empty.
@@ -83,6 +73,19 @@ pub struct SparseGridMedium<T = f32> {
     majorants: MajorantGrid,
     /// Around all of it in the world.
     bounds: Aabb,
+    /// How it moves, where it does.
+    motion: Option<Box<GridMotion>>,
+}
+
+/// How many times as far as a grid is wide its matter may go while the shutter is open.
+const MOST_WIDTHS: f32 = 100.0;
+
+/// How the matter of a grid moves.
+#[derive(Clone, Debug)]
+struct GridMotion {
+    velocities: VelocityGrid,
+    /// Bounds at the moment that the grid is of.
+    resting: MajorantGrid,
 }
 
 impl<T: DensityVoxel> SparseGridMedium<T> {
@@ -94,63 +97,39 @@ impl<T: DensityVoxel> SparseGridMedium<T> {
         let extent = grid.extent();
         let bounds = grid.transform.bounds(&extent);
         let majorants = majorants(&grid.voxels, extent)?;
-        Ok(SparseGridMedium { coefficients, grid, majorants, bounds })
+        Ok(SparseGridMedium { coefficients, grid, majorants, bounds, motion: None })
+    }
+
+    /// The same medium, carried along while the shutter is open.
+    #[must_use]
+    pub fn with_velocities(self, velocities: VelocityGrid) -> SparseGridMedium<T> {
+        let resting = self.majorants.clone();
+        SparseGridMedium { motion: Some(Box::new(GridMotion { velocities, resting })), ..self }
+    }
+
+    /// Whether a world-space point is where there may be any of it: matter that moves is nowhere but where it was.
+    fn may_hold(&self, p: Vec3) -> bool {
+        self.motion.is_none() || self.grid.contains(p)
     }
 }
 
 /// Bounds on what interpolation makes of voxels, by cells of their box.
 fn majorants<T: VoxelValue>(voxels: &SparseVoxels<T>, extent: Aabb) -> Result<MajorantGrid, GridError> {
-    let size = voxels.size();
-    let cells = size.map(|n| n.div_ceil(LEAST_BLOCK).min(MOST_CELLS));
-    let mut maxima = vec![0f32; cells.into_iter().product::<u32>() as usize];
+    let cells = VoxelCells::new(voxels.size());
     let mut wrong = None;
-    let offset = voxels.offset();
-    voxels.for_each_block(|low, high, block| {
-        let mut largest = 0f32;
-        let mut check = |voxel: [u32; 3], held: T| {
-            for &value in held.numbers() {
-                if !value.is_finite() || value < 0.0 {
-                    wrong = wrong.or(Some(GridError::Voxel { voxel, value }));
-                }
-                largest = largest.max(value);
+    let join = |[a, b]: [f32; 2], [c, d]: [f32; 2]| [a.min(c), b.max(d)];
+    let extremes = |voxel, held: T| {
+        held.numbers().iter().fold([f32::INFINITY, 0.0], |range, &value| {
+            if !value.is_finite() || value < 0.0 {
+                wrong = wrong.or(Some(GridError::Voxel { voxel, value }));
             }
-        };
-        match block {
-            Block::Constant(value) => check(low, value),
-            Block::Leaf(_) => {
-                for x in low[0]..high[0] {
-                    for y in low[1]..high[1] {
-                        for z in low[2]..high[2] {
-                            check([x, y, z], block.at([x + offset[0], y + offset[1], z + offset[2]]));
-                        }
-                    }
-                }
-            }
-        }
-        if largest <= 0.0 {
-            return;
-        }
-        // A voxel counts from the middle of the one before to that of the one behind.
-        let reach = [0, 1, 2].map(|axis| {
-            let cell = |twice: u64| (twice * u64::from(cells[axis]) / (2 * u64::from(size[axis]))) as u32;
-            let first = cell((2 * u64::from(low[axis])).saturating_sub(1));
-            first..=cell(2 * u64::from(high[axis]) + 1).min(cells[axis] - 1)
-        });
-        let [xs, ys, zs] = reach;
-        for z in zs {
-            for y in ys.clone() {
-                for x in xs.clone() {
-                    let cell = &mut maxima[((z * cells[1] + y) * cells[0] + x) as usize];
-                    *cell = cell.max(largest);
-                }
-            }
-        }
-    });
+            join(range, [value; 2])
+        })
+    };
+    let ranges = cells.fold(voxels, [f32::INFINITY, 0.0], extremes, join);
     match wrong {
         Some(error) => Err(error),
-        None => Ok(MajorantGrid::new(extent, cells, |[x, y, z]| {
-            maxima[((z * cells[1] + y) * cells[0] + x) as usize]
-        })),
+        None => Ok(MajorantGrid::new(extent, cells.count(), |cell| ranges[cells.index(cell)])),
     }
 }
 
@@ -165,7 +144,7 @@ impl<T: DensityVoxel> Medium for SparseGridMedium<T> {
     }
 
     fn density(&self, _textures: &Textures, p: Vec3) -> f32 {
-        T::density(&self.grid, p)
+        if self.may_hold(p) { T::density(&self.grid, p) } else { 0.0 }
     }
 
     fn has_colored_density(&self) -> bool {
@@ -173,7 +152,37 @@ impl<T: DensityVoxel> Medium for SparseGridMedium<T> {
     }
 
     fn spectral_density(&self, _textures: &Textures, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
-        T::spectral_density(&self.grid, p, wavelengths)
+        if self.may_hold(p) { T::spectral_density(&self.grid, p, wavelengths) } else { Spectrum::BLACK }
+    }
+
+    fn velocities(&self) -> Option<&VelocityGrid> {
+        self.motion.as_ref().map(|motion| &motion.velocities)
+    }
+
+    fn expose(&mut self, shutter: Shutter) {
+        let Some(motion) = &mut self.motion else { return };
+        motion.velocities.expose(shutter);
+        let GridMotion { velocities, resting } = &**motion;
+        let extent = self.grid.extent();
+        let reach = self.grid.local(&velocities.reach(&self.grid.transform.bounds(&extent)));
+        if !velocities.moves() {
+            self.majorants = resting.clone();
+            self.bounds = self.grid.transform.bounds(&extent);
+            return;
+        }
+        if !reach.extent().cmple(MOST_WIDTHS * extent.extent().max_element() * Vec3::ONE).all() {
+            self.bounds = Aabb::EVERYWHERE;
+            return;
+        }
+        // A cell of all places where matter ever is has the bounds of those that it may come from.
+        let cells = VoxelCells::new(reach.extent().to_array().map(|length| length.ceil() as u32));
+        let width = reach.extent() / Vec3::from(cells.count().map(|n| n as f32));
+        self.majorants = MajorantGrid::new(reach, cells.count(), |cell| {
+            let corner = reach.min + width * Vec3::from(cell.map(|n| n as f32));
+            let region = self.grid.transform.bounds(&Aabb { min: corner, max: corner + width });
+            resting.range_in(&self.grid.local(&velocities.sources(&region)))
+        });
+        self.bounds = self.grid.transform.bounds(&reach);
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -265,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn no_density_is_above_its_bound() {
+    fn all_densities_are_between_their_bounds() {
         let turned = VdbMap::Affine([[0.3, 0.4, 0.0], [-0.4, 0.3, 0.1], [0.0, 0.2, -0.5]], [1.0, -2.0, 0.5]);
         for (size, map) in
             [([21, 17, 30], VdbMap::Uniform(0.1)), ([300, 2, 3], turned), ([16, 9, 20], turned)]
@@ -285,6 +294,7 @@ mod tests {
                         let p = ray.at(m.t_min + (k as f32 + 0.5) / 8.0 * (m.t_max - m.t_min));
                         let density = medium.density(&Textures::default(), p);
                         assert!(density <= m.density * 1.001 + 1e-4, "{size:?} {p}: {density} {m:?}");
+                        assert!(density >= m.least * 0.999 - 1e-4, "{size:?} {p}: {density} {m:?}");
                         assert!(bounds.padded(1e-4).contains(p), "{p}");
                     }
                 }

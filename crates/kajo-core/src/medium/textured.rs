@@ -26,7 +26,7 @@ impl TextureMedium {
     /// `None` for a box that is flat, or has no bounds.
     pub fn new(coefficients: Coefficients, texture: FloatTexture, bounds: Aabb) -> Option<TextureMedium> {
         let has_inside = bounds.is_finite() && bounds.extent().min_element() > 0.0;
-        let majorants = has_inside.then(|| MajorantGrid::new(bounds, [1; 3], |_| 1.0))?;
+        let majorants = has_inside.then(|| MajorantGrid::new(bounds, [1; 3], |_| [0.0, 1.0]))?;
         Some(TextureMedium { coefficients, texture, majorants })
     }
 }

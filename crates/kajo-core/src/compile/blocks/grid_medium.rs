@@ -7,19 +7,19 @@ use super::medium::{CoefficientKeys, coefficients};
 use super::phase::PhaseKeys;
 use crate::compile::Compiler;
 use crate::compile::fields::{
-    At, Keys, Sources, Typed, at_least, keys, number, report_beside, report_without,
+    At, FileName, Keys, Sources, Typed, at_least, keys, number, report_beside, report_without,
 };
 use crate::compile::grid::{FileGrid, FileVoxels, GridKeys, GridName, GridSource, VoxelValues, grid_keys};
 use crate::compile::member::{MediumMember, Member};
 use crate::medium::{
     AlbedoGrid, AlbedoGridError, AnyMedium, Coefficients, DensityGrid, DensityVoxel, GridError, GridMedium,
-    Heat, PlacedVoxels, SparseGridMedium, affine,
+    Heat, PlacedVoxels, SparseGridMedium, VelocityComponents, VelocityGrid, affine,
 };
 use crate::schema::{Block, Constant, FieldKind, Kind};
 
 keys! {
-    /// What other grids of the same file say: temperatures and colours.
-    HeatKeys<'t> {
+    /// What other grids of the same file say: temperatures, velocities and colours.
+    OtherGridKeys<'t> {
         temperature: Option<At<'t, GridName>> = Typed::<GridName>::new("temperature", FieldKind::Text)
             .only_beside("file")
             .not_beside(&["emission", "values", "size"])
@@ -37,6 +37,15 @@ keys! {
             .unit("W/(m³ sr)")
             .only_beside("temperature")
             .presumed(Constant::Number(1.0), "luminance per length that it gives at 2000 K"),
+        velocity: Option<At<'t, GridName>> = Typed::<GridName>::new("velocity", FieldKind::Text)
+            .only_beside("file")
+            .not_beside(&["values", "size"])
+            .placed()
+            .unlike("none", "vel", "name of a grid of velocities in the same .vdb, or of three: vel.x, vel.y and vel.z"),
+        velocity_scale: Option<f32> = number("velocityScale")
+            .unit("1/time")
+            .only_beside("velocity")
+            .presumed(Constant::Number(1.0), "units of the file that the number 1 goes in a unit of the shutter's time"),
         albedo_grid: Option<At<'t, GridName>> = Typed::<GridName>::new("albedoGrid", FieldKind::Text)
             .only_beside("file")
             .not_beside(&["values", "size"])
@@ -50,20 +59,20 @@ pub const MEMBER: MediumMember = Member {
         keyword: "GridMedium",
         kind: Kind::Medium,
         about: "a cloud, smoke or fire, given voxel by voxel",
-        groups: &[GridKeys::FIELDS, HeatKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
+        groups: &[GridKeys::FIELDS, OtherGridKeys::FIELDS, CoefficientKeys::FIELDS, PhaseKeys::FIELDS],
         parts: &[],
     },
     read: |compiler, item| {
         let read = compiler.read_keys(item, |params, sources| {
             params.name();
-            let heat = heat_keys(params, sources);
+            let others = other_grid_keys(params, sources);
             let (keys, coefficients) = (grid_keys(params, sources), coefficients(params, sources));
-            Some((keys?, heat?, coefficients?))
+            Some((keys?, others?, coefficients?))
         });
-        let (keys, heat, coefficients) = read?;
+        let (keys, others, coefficients) = read?;
         match compiler.grid_source(keys)? {
             GridSource::Dense(grid) => {
-                if let Some(At { item, .. }) = heat.temperature.or(heat.albedo_grid) {
+                if let Some(At { item, .. }) = others.temperature.or(others.velocity).or(others.albedo_grid) {
                     let message = "names a grid of a .vdb or .nvdb, and this file is another one";
                     let error = Diagnostic::error(format!("`{}` {message}", item.keyword()));
                     compiler.diagnostics.push(error.label(item.head_span(), "there is no such grid"));
@@ -75,8 +84,8 @@ pub const MEMBER: MediumMember = Member {
             }
             GridSource::Voxels(voxels) => {
                 let medium = match voxels.has_colors() {
-                    true => compiler.voxel_medium::<[f32; 3]>(item, *voxels, heat, coefficients)?,
-                    false => compiler.voxel_medium::<f32>(item, *voxels, heat, coefficients)?,
+                    true => compiler.voxel_medium::<[f32; 3]>(item, *voxels, others, coefficients)?,
+                    false => compiler.voxel_medium::<f32>(item, *voxels, others, coefficients)?,
                 };
                 let stored = compiler.scene.medium(medium);
                 compiler.accepted(stored, item.head_span())
@@ -85,18 +94,18 @@ pub const MEMBER: MediumMember = Member {
     },
 };
 
-fn heat_keys<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<HeatKeys<'t>> {
-    for key in ["file", "temperature"] {
+fn other_grid_keys<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<OtherGridKeys<'t>> {
+    for key in ["file", "temperature", "velocity"] {
         if !params.contains(key) {
-            report_without(params, HeatKeys::FIELDS, key);
+            report_without(params, OtherGridKeys::FIELDS, key);
         }
     }
     for key in ["emission", "size", "values"] {
         if params.contains(key) {
-            report_beside(params, HeatKeys::FIELDS, key);
+            report_beside(params, OtherGridKeys::FIELDS, key);
         }
     }
-    HeatKeys::read(params, sources)
+    OtherGridKeys::read(params, sources)
 }
 
 impl Compiler<'_> {
@@ -119,7 +128,7 @@ impl Compiler<'_> {
         &mut self,
         item: Item<'_>,
         voxels: FileGrid<'_>,
-        heat: HeatKeys<'_>,
+        others: OtherGridKeys<'_>,
         coefficients: Coefficients,
     ) -> Option<AnyMedium>
     where
@@ -136,35 +145,77 @@ impl Compiler<'_> {
             }
             moved = between(from, to);
         }
-        let coefficients = match &heat.temperature {
-            Some(name) => {
-                let grid = self.voxels(&voxels.file, name)?;
-                let placed = self.placed(item, grid, &moved)?;
-                if let Some((voxel, value)) = placed.not_finite() {
-                    self.no_medium(item, GridError::Temperature { voxel, value });
-                    return None;
-                }
-                let scale = [heat.temperature_scale.unwrap_or(1.0), heat.temperature_offset.unwrap_or(0.0)];
-                coefficients.with_heat(Heat::new(placed, scale, heat.brightness.unwrap_or(1.0)))
-            }
-            None => coefficients,
-        };
-        let coefficients = match &heat.albedo_grid {
-            Some(name) => {
-                let grid = self.voxels(&voxels.file, name)?;
-                let placed = self.placed(item, grid, &moved)?;
-                let report = |error: AlbedoGridError| {
-                    let error = Diagnostic::error(error.to_string());
-                    self.diagnostics.push(error.label(item.head_span(), "no such medium"));
-                };
-                let colors = AlbedoGrid::new(placed).map_err(report).ok()?;
-                coefficients.with_colors(colors)
-            }
-            None => coefficients,
-        };
+        let velocities = self.velocities(item, &voxels.file, &others, &moved)?;
+        let coefficients = self.with_other_grids(item, &voxels.file, &others, &moved, coefficients)?;
         let placed = self.placed(item, voxels.grid, &moved)?;
-        let medium = SparseGridMedium::new(coefficients, placed).map_err(|error| self.no_medium(item, error));
-        medium.map(AnyMedium::from).ok()
+        let medium = SparseGridMedium::new(coefficients, placed);
+        let medium = medium.map_err(|error| self.no_medium(item, error)).ok()?;
+        Some(match velocities {
+            Some(velocities) => medium.with_velocities(velocities).into(),
+            None => medium.into(),
+        })
+    }
+
+    /// The coefficients with what grids of temperatures and of colours say of them.
+    fn with_other_grids(
+        &mut self,
+        item: Item<'_>,
+        file: &At<'_, FileName>,
+        others: &OtherGridKeys<'_>,
+        moved: &DAffine3,
+        mut coefficients: Coefficients,
+    ) -> Option<Coefficients> {
+        if let Some(name) = &others.temperature {
+            let grid = self.voxels(file, name)?;
+            let placed = self.placed(item, grid, moved)?;
+            if let Some((voxel, value)) = placed.not_finite() {
+                self.no_medium(item, GridError::Temperature { voxel, value });
+                return None;
+            }
+            let scale = [others.temperature_scale.unwrap_or(1.0), others.temperature_offset.unwrap_or(0.0)];
+            coefficients = coefficients.with_heat(Heat::new(placed, scale, others.brightness.unwrap_or(1.0)));
+        }
+        if let Some(name) = &others.albedo_grid {
+            let grid = self.voxels(file, name)?;
+            let placed = self.placed(item, grid, moved)?;
+            let report = |error: AlbedoGridError| {
+                let error = Diagnostic::error(error.to_string());
+                self.diagnostics.push(error.label(item.head_span(), "no such medium"));
+            };
+            let colors = AlbedoGrid::new(placed).map_err(report).ok()?;
+            coefficients = coefficients.with_colors(colors);
+        }
+        Some(coefficients)
+    }
+
+    /// What the grids of velocities say, where there are any.
+    fn velocities(
+        &mut self,
+        item: Item<'_>,
+        file: &At<'_, FileName>,
+        others: &OtherGridKeys<'_>,
+        moved: &DAffine3,
+    ) -> Option<Option<VelocityGrid>> {
+        let Some(name) = &others.velocity else { return Some(None) };
+        let components = match self.vector_names(file, name)? {
+            None => {
+                let grid = self.voxels(file, name)?;
+                VelocityComponents::Together(self.placed(item, grid, moved)?)
+            }
+            Some(names) => {
+                let [x, y, z] = names.map(|name| {
+                    let grid = self.voxels(file, &name)?;
+                    self.placed(item, grid, moved)
+                });
+                VelocityComponents::Apart(Box::new([x?, y?, z?]))
+            }
+        };
+        if let Some((voxel, value)) = components.not_finite() {
+            self.no_medium(item, GridError::Velocity { voxel, value });
+            return None;
+        }
+        let scale = f64::from(others.velocity_scale.unwrap_or(1.0));
+        Some(Some(VelocityGrid::new(components, &(moved.matrix3 * scale))))
     }
 
     /// The voxels of a file in the world; that they are flat there is reported.

@@ -112,6 +112,10 @@ class GridMedium(MediumBlock):
         temperature_offset: kelvin of the number 0 (number, K). Default: 0.
         brightness: luminance per length that it gives at 2000 K (number ≥ 0, W/(m³ sr)).
             Default: 1.
+        velocity: name of a grid of velocities in the same .vdb, or of three: vel.x, vel.y and
+            vel.z (word or text). Default: none.
+        velocity_scale: units of the file that the number 1 goes in a unit of the shutter's time
+            (number, 1/time). Default: 1.
         albedo_grid: name of a grid of colours in the same .vdb: shares of what is scattered,
             times `albedo` (word or text). Default: none.
         sigma_a: absorption per length (r g b ≥ 0, 1/length). Default: none.
@@ -155,6 +159,8 @@ class GridMedium(MediumBlock):
         temperature_scale: Number | None = None,
         temperature_offset: Number | None = None,
         brightness: Number | None = None,
+        velocity: str | None = None,
+        velocity_scale: Number | None = None,
         albedo_grid: str | None = None,
         sigma_a: Vector | None = None,
         sigma_s: Vector | None = None,
@@ -184,6 +190,8 @@ class GridMedium(MediumBlock):
         self.temperature_scale = temperature_scale
         self.temperature_offset = temperature_offset
         self.brightness = brightness
+        self.velocity = velocity
+        self.velocity_scale = velocity_scale
         self.albedo_grid = albedo_grid
         self.sigma_a = sigma_a
         self.sigma_s = sigma_s

@@ -292,19 +292,21 @@ impl Merging {
     }
 
     /// The same in a medium.
+    ///
+    /// * `time`: moment within the shutter interval
     fn stored_in_medium<'s, V: Volume<'s>>(
         &self,
         scene: &Scene,
         vertex: &Vertex<'s, V>,
         scatterings: u32,
-        moment: u8,
+        time: f32,
         dither: f32,
     ) -> Option<LightVertex> {
         let (arrival, volume) = (self.arrival(vertex, scatterings)?, vertex.volume.with_media()?);
-        let sigma_s = volume.media[0].scattering(scene, arrival.p, self.wavelengths());
+        let sigma_s = volume.media[0].scattering(scene, arrival.p, time, self.wavelengths());
         let arrival = Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival };
         // Merging itself, which its sums are without.
-        Some(self.kept(vertex, &arrival, volume.merged, 1.0, moment, dither))
+        Some(self.kept(vertex, &arrival, volume.merged, 1.0, self.moment(time), dither))
     }
 
     /// What comes to a vertex; `None` where it cannot be merged.
@@ -410,7 +412,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
             match vertex.phase() {
                 None => batch.on_surfaces.extend(merging.stored(vertex, j, moment, dither)),
                 Some(_) => {
-                    let stored = merging.stored_in_medium(self.scene(), vertex, j, moment, dither);
+                    let stored = merging.stored_in_medium(self.scene(), vertex, j, time, dither);
                     batch.in_media.extend(stored);
                 }
             }

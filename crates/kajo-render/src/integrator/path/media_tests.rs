@@ -702,3 +702,64 @@ fn colours_of_voxels_are_albedos() {
         assert!(spread < 0.03 * expected.mean, "{lane}: {found:?} {expected:?}");
     }
 }
+
+/// A cube of voxels of the density 1, that goes its own width along x while the shutter is open: a ray through it meets matter for three
+/// quarters of the time, or light that scatters it is not seen at all.
+#[test]
+fn matter_that_moves_is_where_its_velocity_has_brought_it() {
+    let grid = |name: &str, kind: VdbKind, value: [f32; 3]| {
+        let mut grid = VdbGrid::new(name, kind, VdbMap::Uniform(1.0));
+        for k in 0..64 {
+            grid.set([k % 4, k / 4 % 4, k / 16], value);
+        }
+        grid
+    };
+    let grids = vec![
+        grid("density", VdbKind::Float, [1.0; 3]),
+        grid("Cd", VdbKind::Vec3, [1.0, 0.5, 0.25]),
+        grid("vel", VdbKind::Vec3, [8.0, 0.0, 0.0]),
+        grid("v.x", VdbKind::Float, [8.0; 3]),
+        grid("v.y", VdbKind::Float, [0.0; 3]),
+        grid("v.z", VdbKind::Half, [0.0; 3]),
+    ];
+    let file = VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids };
+    let assets = MemoryAssets::new().with("smoke.vdb", file.to_bytes());
+    // The box of the file is 4 wide, and here 2, so that a velocity of 8 is one of 4, half of which is 2.
+    let scene_of = |shutter: &str, medium: &str, other: &str| {
+        let view = under_a_white_sky([0.5, 0.2, 5.0], [0.5, 0.2, 0.0]);
+        let view = view.replacen("Camera {", &format!("Camera {{ shutter {shutter} "), 1);
+        let (materials, body) = match other {
+            "" => ("", ""),
+            _ => ("Interface j { medium n }", "MaterialIndex j Box { min -2 -1 -1.9 max 3 1 2.1 }"),
+        };
+        let text = format!(
+            "{view} Media {{ GridMedium m {{ file smoke.vdb min -1 -1 -1 max 1 1 1 velocityScale 0.5 {medium} }} {other} }}
+             Materials {{ Interface i {{ medium m }} {materials} }}
+             Group {{ MaterialIndex i Box {{ min -3 -2 -2 max 4 2 2 }} {body} }}"
+        );
+        scene_with(&text, &assets)
+    };
+    let colored = [0.7, 0.35, 0.175];
+    let haze = "Medium n { sigma_a 0.1 }";
+    for (shutter, share) in [("0 1", 0.75), ("0 0", 1.0), ("0.9 0.9", 0.0), ("-1 1", 0.5), ("0.5 1", 0.5)] {
+        for velocity in every(2, ["velocity vel", "velocity v"]) {
+            for (medium, sigma) in [("density 0.7", [0.7; 3]), ("grid Cd density 0.7", colored)] {
+                for (other, more) in [("", 0.0), (haze, 0.4)] {
+                    let scene = scene_of(shutter, &format!("{medium} albedo 0 {velocity}"), other);
+                    for (lane, sigma) in every(2, sigma.into_iter().enumerate()) {
+                        let expected = (share * f64::exp(-2.0 * sigma) + 1.0 - share) * f64::exp(-more);
+                        let found = mean(&scene, settings(4), 2000, lane);
+                        // Where no matter is ever met there is no noise.
+                        let is_exact = (found.mean / expected - 1.0).abs() < 1e-6;
+                        assert!(
+                            is_exact || found.check(expected, 0.02).is_ok(),
+                            "{shutter}: {found:?} {expected}"
+                        );
+                    }
+                }
+            }
+        }
+        let white = scene_of(shutter, "density 3 g 0.4 velocity vel", "");
+        mean(&white, PathSettings { roulette: false, ..settings(4000) }, 1000, 0).check(1.0, 0.02).unwrap();
+    }
+}

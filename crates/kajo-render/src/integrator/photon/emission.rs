@@ -24,7 +24,7 @@ use crate::integrator::bidir::{
     NoMedia, Subpath, Vertex, Volume, WithMedia, is_endless, light_end, sample_emitted,
 };
 use crate::integrator::photon_map::{Arrival, Photon, dither};
-use crate::integrator::transport::{LaneMis, SurfaceInteraction};
+use crate::integrator::transport::{LaneMis, PathState, SurfaceInteraction};
 use crate::setup::append_tightly;
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext};
@@ -287,7 +287,8 @@ impl<'a> PhotonEmission<'a> {
     /// What comes to a vertex in a medium.
     fn arrival_in_medium<'v, V: Volume<'v>>(&self, path: &Subpath<'_>, vertex: &Vertex<'v, V>) -> Arrival {
         let arrival = self.arrival(path, vertex);
-        let sigma_s = path.state.media.scattering(self.scene, vertex.at.p, &path.state.wavelengths);
+        let PathState { media, wavelengths, ray, .. } = &path.state;
+        let sigma_s = media.scattering(self.scene, vertex.at.p, ray.time, wavelengths);
         Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival }
     }
 }

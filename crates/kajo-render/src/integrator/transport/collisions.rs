@@ -22,19 +22,29 @@
 //! ```
 //!
 //! where `r_l` is that of finding the last segment by a [`super::connect`], whose densities of directions are left out of both.
-//! With `T[i] = exp(-sigma_t[i] m s)` over a step of length `s`, `sigma[i] = sigma_t[i] m`:
+//! Connections go by residual ratio tracking [Novák, Selle and Jarosz 2014]: where the density is nowhere less than `c`, that part of it is a
+//! factor `exp(-sigma_t[i] c s)`, and null collisions are drawn of the rest, of the majorant `m - c`. Both ways have the same null
+//! collisions, so that each knows the density of the other. With `T[i] = exp(-sigma_t[i] m s)` over a step of length `s`, the residual
+//! transmittance `R[i] = exp(-sigma_t[i] (m - c) s)`, and `sigma = sigma_t`:
 //!
 //! ```text
-//!                   beta *=                                     r_u *=                              r_l *=
-//! scattered         T[i] sigma_s[i] / (T[h] sigma_t[h])         T[i] sigma[i] / (T[h] sigma[h])     = r_u
-//! null collision    T[i] sigma[i] / (T[h] sigma[h])             the same                            the same / (1 - d/m)
-//! arrives           T[i] / T[h]                                 the same                            the same
+//!                   beta *=                               r_u *=                              r_l *=
+//! scattered         T[i] sigma_s[i] / (T[h] sigma[h])     T[i] sigma[i] / (T[h] sigma[h])     = r_u
+//! null collision    T[i] sigma[i] / (T[h] sigma[h])       the same                            R[i] sigma[i] (m - c) / (T[h] sigma[h] (m - d))
+//! arrives           T[i] / T[h]                           the same                            R[i] / T[h]
 //! ```
 //!
-//! Absorption is no event: it is a factor, and paths of little weight end by roulette. Where a density is the same everywhere,
-//! connections know `T` in a closed form, so that `r_l` is multiplied by `1 / T[h]` upon arrival. All three may be multiplied by
-//! one number and no estimate changes; it is chosen so that the mean of `r_u` is 1, and `beta` is the weight of the
-//! path as it is without media.
+//! and for a connection, whose null collisions have the density of `r_l`,
+//!
+//! ```text
+//!                   t *=                                                       r_u *=           r_l *=
+//! null collision    T[i] sigma[i] (m - d) / (R[h] sigma[h] (m - c))            the same         R[i] sigma[i] / (R[h] sigma[h])
+//! arrives           T[i] / R[h]                                                the same         R[i] / R[h]
+//! ```
+//!
+//! Where a density is the same everywhere, `R = 1`: connections know `T` in a closed form. Absorption is no event: it is a factor, and paths of
+//! little weight end by roulette. All three of a path may be multiplied by one number and no estimate changes; it is chosen so that
+//! the mean of `r_u` is 1, and `beta` is the weight of the path as it is without media.
 //!
 //! What a medium gives of its own is found by paths from the camera alone, on each stretch that they go without a collision.
 //!
@@ -42,7 +52,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
-use kajo_core::medium::{Coefficients, Heat, Majorants, MediumId, PhaseAtWavelengths};
+use kajo_core::medium::{Coefficients, Heat, Majorants, MediumId, PhaseAtWavelengths, VelocityGrid};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
@@ -76,9 +86,11 @@ impl MediumStack {
     /// Scattering per unit length of all media at a point, by lanes.
     ///
     /// * `p`: in world space, where the stack holds
-    pub fn scattering(&self, scene: &Scene, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
+    /// * `time`: moment within the shutter interval
+    pub fn scattering(&self, scene: &Scene, p: Vec3, time: f32, wavelengths: &Wavelengths) -> Spectrum {
         let of = |medium: MediumId| {
             let coefficients = scene.appearance.media.coefficients(medium);
+            let p = source(scene.appearance.media.velocities(medium), p, time);
             let density = scene.appearance.spectral_density(medium, p, wavelengths);
             scattering_at(coefficients, density, p, wavelengths)
         };
@@ -93,6 +105,7 @@ impl MediumStack {
 /// Scattering per unit length of a medium at a point, by lanes.
 ///
 /// * `density`: there, by lanes
+/// * `p`: where its matter was at the moment that its grids are of
 pub(super) fn scattering_at(
     coefficients: &Coefficients,
     density: Spectrum,
@@ -127,6 +140,8 @@ impl PathState<'_> {
     }
 
     /// Multiplies the weight of a path that a medium scatters by what its colours say there.
+    ///
+    /// * `p`: where its matter was at the moment that they are of
     #[inline]
     pub(super) fn scatter_by_colors(&mut self, coefficients: &Coefficients, p: Vec3) {
         if let Some(colors) = coefficients.colors() {
@@ -183,7 +198,14 @@ pub(super) struct MediumAlongRay<'a> {
     pub(super) medium: MediumId,
     pub(super) sigma_s: Spectrum,
     pub(super) sigma_t: Spectrum,
+    velocities: Option<&'a VelocityGrid>,
     hero: usize,
+}
+
+/// Where the matter of a medium that is at a point at a ray's time was at the moment that its grids are of.
+#[inline]
+fn source(velocities: Option<&VelocityGrid>, p: Vec3, time: f32) -> Vec3 {
+    velocities.map_or(p, |velocities| velocities.source(p, time))
 }
 
 /// A medium, or several, as null-collision sampling sees it: coefficients and majorants along a ray.
@@ -204,6 +226,23 @@ pub(super) trait NullCollisionMedium {
     fn transmittance(&self, most: &Self::Most, length: f32) -> Spectrum;
 }
 
+/// The density on a part of a ray is between these.
+#[derive(Clone, Copy)]
+pub(super) struct DensityRange {
+    /// `c`.
+    least: f32,
+    /// `m`.
+    most: f32,
+}
+
+impl DensityRange {
+    /// `m - c`.
+    #[inline]
+    fn width(&self) -> f32 {
+        self.most - self.least
+    }
+}
+
 /// A part of a ray with one majorant.
 pub(super) struct Span<M> {
     pub(super) t_min: f32,
@@ -212,30 +251,57 @@ pub(super) struct Span<M> {
 }
 
 impl NullCollisionMedium for MediumAlongRay<'_> {
-    type Most = f32;
+    type Most = DensityRange;
 
     #[inline]
-    fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<f32>> {
+    fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<DensityRange>> {
         self.majorants(ray).map(|majorant| Span {
             t_min: majorant.t_min,
             t_max: majorant.t_max,
-            most: majorant.density,
+            most: DensityRange { least: majorant.least, most: majorant.density },
         })
     }
 
     #[inline]
-    fn is_void(&self, density: &f32) -> bool {
-        *density == 0.0
+    fn is_void(&self, density: &DensityRange) -> bool {
+        density.most == 0.0
     }
 
     #[inline]
-    fn hero_extinction(&self, density: &f32) -> f32 {
-        self.sigma_t[self.hero] * density
+    fn hero_extinction(&self, density: &DensityRange) -> f32 {
+        self.sigma_t[self.hero] * density.most
     }
 
     #[inline]
-    fn transmittance(&self, density: &f32, length: f32) -> Spectrum {
-        self.transmittance_at(*density, length)
+    fn transmittance(&self, density: &DensityRange, length: f32) -> Spectrum {
+        self.transmittance_at(density.most, length)
+    }
+}
+
+/// What is left of a medium without the part of its density that is everywhere there.
+struct Residual<'a>(&'a MediumAlongRay<'a>);
+
+impl NullCollisionMedium for Residual<'_> {
+    type Most = DensityRange;
+
+    #[inline]
+    fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<DensityRange>> {
+        self.0.spans(ray)
+    }
+
+    #[inline]
+    fn is_void(&self, density: &DensityRange) -> bool {
+        self.0.is_void(density)
+    }
+
+    #[inline]
+    fn hero_extinction(&self, density: &DensityRange) -> f32 {
+        self.0.sigma_t[self.0.hero] * density.width()
+    }
+
+    #[inline]
+    fn transmittance(&self, density: &DensityRange, length: f32) -> Spectrum {
+        self.0.transmittance_at(density.width(), length)
     }
 }
 
@@ -249,7 +315,8 @@ impl<'a> MediumAlongRay<'a> {
         let coefficients = scene.appearance.media.coefficients(medium);
         let sigma_s = coefficients.sigma_s(wavelengths);
         let sigma_t = sigma_s + coefficients.sigma_a(wavelengths);
-        MediumAlongRay { scene, medium, sigma_s, sigma_t, hero: hero as usize }
+        let velocities = scene.appearance.media.velocities(medium);
+        MediumAlongRay { scene, medium, sigma_s, sigma_t, velocities, hero: hero as usize }
     }
 
     pub(super) fn majorants(&self, ray: &Ray) -> Majorants<'a> {
@@ -262,18 +329,35 @@ impl<'a> MediumAlongRay<'a> {
         (self.sigma_t * -(density * length).min(f32::MAX)).exp()
     }
 
+    /// Where its matter that is at a point at a ray's time was at the moment that its grids are of.
+    #[inline]
+    pub(super) fn source(&self, p: Vec3, time: f32) -> Vec3 {
+        source(self.velocities, p, time)
+    }
+
+    /// * `p`: [source](MediumAlongRay::source) of a point
     pub(super) fn density(&self, p: Vec3) -> f32 {
         self.scene.appearance.density(self.medium, p)
     }
 
     /// The density at a point by lanes.
+    ///
+    /// * `p`: [source](MediumAlongRay::source) of a point
     pub(super) fn spectral_density(&self, p: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         self.scene.appearance.spectral_density(self.medium, p, wavelengths)
     }
 
-    /// `T[i] sigma[i] / (T[h] sigma[h])` after a step that ended in a collision; black where rounding left nothing.
-    fn collision(&self, t: Spectrum) -> Spectrum {
-        let hero = t[self.hero] * self.sigma_t[self.hero];
+    /// The share of collisions with the majorant `m` at a distance along a ray that are real.
+    #[inline]
+    fn real_share(&self, ray: &Ray, at: f32, majorant: f32) -> f32 {
+        (self.density(self.source(ray.at(at), ray.time)) / majorant).min(1.0)
+    }
+
+    /// `T[i] sigma[i] / (T'[h] sigma[h])` after a step that ended in a collision; black where rounding left nothing.
+    ///
+    /// * `drawn`: `T'[h]`, of what the step was drawn by
+    fn collision(&self, t: Spectrum, drawn: f32) -> Spectrum {
+        let hero = drawn * self.sigma_t[self.hero];
         if hero > 0.0 { t * self.sigma_t * (1.0 / hero) } else { Spectrum::BLACK }
     }
 }
@@ -353,9 +437,42 @@ struct DeltaTracking<'a> {
     is_homogeneous: bool,
     beta: Spectrum,
     lanes: LaneMis,
+    /// Since the last collision.
+    passed: PassedDensities,
     scattered: Option<f32>,
     /// Emission of the medium, where the path collects it.
     emission: Option<EmissionAlongRay>,
+}
+
+/// Integrals of bounds on the density along a part of a ray.
+#[derive(Clone, Copy, Default)]
+struct PassedDensities {
+    /// Of `c`.
+    least: f32,
+    /// Of `m - c`.
+    rest: f32,
+}
+
+impl PassedDensities {
+    #[inline]
+    fn pass(&mut self, density: &DensityRange, length: f32) {
+        self.least += density.least * length;
+        self.rest += density.width() * length;
+    }
+
+    /// `R[i]`.
+    ///
+    /// * `t`: `T[i]`
+    #[inline]
+    fn residual(&self, sigma_t: Spectrum, t: Spectrum) -> Spectrum {
+        if self.least > 0.0 { (sigma_t * -self.rest).exp() } else { t }
+    }
+
+    /// `T[i] / R[i]`.
+    #[inline]
+    fn known(&self, sigma_t: Spectrum) -> Spectrum {
+        if self.least > 0.0 { (sigma_t * -self.least).exp() } else { Spectrum::WHITE }
+    }
 }
 
 /// Emission of a medium along a ray, collected towards the camera.
@@ -387,11 +504,12 @@ impl DeltaTracking<'_> {
     ) {
         let Some(EmissionAlongRay { radiance, sigma_a, found }) = &mut self.emission else { return };
         let at = from + draws.next_1d() * (to - from);
-        let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(self.ray.at(at)) };
+        let p = self.stretch.source(self.ray.at(at), self.ray.time);
+        let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(p) };
         let t = t * self.stretch.transmittance_at(majorant, at - from);
         let ratio = t * (1.0 / t[self.stretch.hero]);
         let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
-        let radiance = emission_at(self.ray.at(at), *radiance);
+        let radiance = emission_at(p, *radiance);
         let added = self.beta * ratio * radiance * (*sigma_a * -at).exp() * (density * (to - from) / mean);
         if added.is_finite() {
             *found += added;
@@ -405,23 +523,23 @@ pub(super) struct Walked {
     pub(super) lanes: LaneMis,
     /// Light that media gave since it was taken last, where that counts.
     pub(super) emitted: Option<Spectrum>,
-    pub(super) is_homogeneous: bool,
+    /// `R[i]` since the last collision, where it arrives.
+    pub(super) residual: Spectrum,
     pub(super) is_scattered: bool,
 }
 
 impl PathState<'_> {
-    /// Writes the result of sampling collisions along a ray back to the path: where it arrives, times `T[i] / T[h]`, the third row of the table
-    /// above [Miller, Georgiev and Jarosz 2019].
+    /// Writes the result of sampling collisions along a ray back to the path: where it arrives, the third row of the table above [Miller, Georgiev and Jarosz 2019].
     ///
     /// * `arrives`: `T[i]` since the last collision, where it comes to the far end
     #[inline]
     pub(super) fn leave_walk(&mut self, walked: Walked, arrives: Option<Spectrum>) {
-        let Walked { mut beta, mut lanes, emitted, is_homogeneous, is_scattered } = walked;
+        let Walked { mut beta, mut lanes, emitted, residual, is_scattered } = walked;
         if let Some(t) = arrives {
             let hero = 1.0 / t[lanes.hero as usize];
             beta *= t * hero;
             lanes.r_u *= t * hero;
-            lanes.r_l *= if is_homogeneous { Spectrum::WHITE * hero } else { t * hero };
+            lanes.r_l *= residual * hero;
         }
         (self.beta, self.lanes) = (beta, lanes);
         if let Some(emitted) = emitted {
@@ -434,24 +552,40 @@ impl PathState<'_> {
     }
 }
 
-impl CollisionVisitor<f32> for DeltaTracking<'_> {
+impl CollisionVisitor<DensityRange> for DeltaTracking<'_> {
     #[inline]
-    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: &f32) {
-        self.add_emission(draws, from, to, t, *majorant, |_, emission| emission);
+    fn pass(
+        &mut self,
+        draws: &mut SampleStream<'_>,
+        from: f32,
+        to: f32,
+        t: Spectrum,
+        density: &DensityRange,
+    ) {
+        self.add_emission(draws, from, to, t, density.most, |_, emission| emission);
+        self.passed.pass(density, to - from);
     }
 
-    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, &majorant: &f32) -> bool {
+    fn collide(
+        &mut self,
+        draws: &mut SampleStream<'_>,
+        at: f32,
+        t: Spectrum,
+        density: &DensityRange,
+    ) -> bool {
+        let passed = std::mem::take(&mut self.passed);
         let DeltaTracking { stretch, is_homogeneous, beta, lanes, .. } = self;
-        let is_homogeneous = *is_homogeneous;
-        let factor = stretch.collision(t);
-        let real = if is_homogeneous { 1.0 } else { (stretch.density(self.ray.at(at)) / majorant).min(1.0) };
+        let (is_homogeneous, majorant) = (*is_homogeneous, density.most);
+        let (sigma_t, drawn) = (stretch.sigma_t, t[stretch.hero]);
+        let factor = stretch.collision(t, drawn);
+        let real = if is_homogeneous { 1.0 } else { stretch.real_share(self.ray, at, majorant) };
         if is_homogeneous || draws.next_1d() < real {
             // First row: T[i] sigma_s[i] / (T[h] sigma_t[h]), and T[i] sigma[i] / (T[h] sigma[h]) for r_u. The probability d / m of a
             // real collision is the same for all lanes, and cancels [Miller, Georgiev and Jarosz 2019].
-            *beta *= factor * stretch.sigma_s.safe_div(stretch.sigma_t);
-            let passed = if is_homogeneous { t } else { Spectrum::WHITE };
-            lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
-            lanes.sigma_t = all_lanes(stretch.sigma_t, &self.wavelengths) * (real * majorant);
+            *beta *= factor * stretch.sigma_s.safe_div(sigma_t);
+            let known = if is_homogeneous { t } else { passed.known(sigma_t) };
+            lanes.reach = all_lanes(known * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
+            lanes.sigma_t = all_lanes(sigma_t, &self.wavelengths) * (real * majorant);
             lanes.r_u *= factor;
             lanes.r_l = lanes.r_u;
             self.scattered = Some(at);
@@ -460,7 +594,8 @@ impl CollisionVisitor<f32> for DeltaTracking<'_> {
         // Second row: a null collision. A free path passes it with the probability 1 - d / m, ratio tracking with 1, so that does not cancel in r_l.
         *beta *= factor;
         lanes.r_u *= factor;
-        lanes.r_l *= factor * (1.0 / (1.0 - real));
+        let residual = stretch.collision(passed.residual(sigma_t, t), drawn);
+        lanes.r_l *= residual * (density.width() / (majorant * (1.0 - real)));
         false
     }
 }
@@ -471,16 +606,31 @@ struct HotDeltaTracking<'a> {
     heat: &'a Heat,
 }
 
-impl CollisionVisitor<f32> for HotDeltaTracking<'_> {
+impl CollisionVisitor<DensityRange> for HotDeltaTracking<'_> {
     #[inline]
-    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, majorant: &f32) {
-        let (heat, wavelengths) = (self.heat, self.tracking.wavelengths);
-        self.tracking.add_emission(draws, from, to, t, *majorant, |p, _| heat.emission(p, &wavelengths));
+    fn pass(
+        &mut self,
+        draws: &mut SampleStream<'_>,
+        from: f32,
+        to: f32,
+        t: Spectrum,
+        density: &DensityRange,
+    ) {
+        let HotDeltaTracking { tracking, heat } = self;
+        let wavelengths = tracking.wavelengths;
+        tracking.add_emission(draws, from, to, t, density.most, |p, _| heat.emission(p, &wavelengths));
+        tracking.passed.pass(density, to - from);
     }
 
     #[inline]
-    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: &f32) -> bool {
-        self.tracking.collide(draws, at, t, majorant)
+    fn collide(
+        &mut self,
+        draws: &mut SampleStream<'_>,
+        at: f32,
+        t: Spectrum,
+        density: &DensityRange,
+    ) -> bool {
+        self.tracking.collide(draws, at, t, density)
     }
 }
 
@@ -517,6 +667,7 @@ pub(super) fn sample_collision_in<'a>(
         is_homogeneous,
         beta: path.beta,
         lanes: path.lanes,
+        passed: PassedDensities::default(),
         scattered: None,
         emission: emission.map(on_the_way),
     };
@@ -530,24 +681,26 @@ pub(super) fn sample_collision_in<'a>(
             arrives
         }
     };
-    let DeltaTracking { beta, lanes, scattered, emission, .. } = tracking;
+    let DeltaTracking { beta, lanes, passed, scattered, emission, .. } = tracking;
     let emitted = emission.map(|emission| emission.found);
-    path.leave_walk(
-        Walked { beta, lanes, emitted, is_homogeneous, is_scattered: scattered.is_some() },
-        arrives,
-    );
-    Some(scattered_at(path, coefficients, &ray, scattered?))
+    let residual = match arrives {
+        Some(t) if !is_homogeneous => passed.residual(stretch.sigma_t, t),
+        _ => Spectrum::WHITE,
+    };
+    path.leave_walk(Walked { beta, lanes, emitted, residual, is_scattered: scattered.is_some() }, arrives);
+    Some(scattered_at(path, coefficients, &stretch, &ray, scattered?))
 }
 
 /// The path's scattering at a distance along its ray.
 pub(super) fn scattered_at<'a>(
     path: &mut PathState<'_>,
     coefficients: &'a Coefficients,
+    medium: &MediumAlongRay<'_>,
     ray: &Ray,
     at: f32,
 ) -> MediumInteraction<'a> {
     let p = ray.at(at);
-    path.scatter_by_colors(coefficients, p);
+    path.scatter_by_colors(coefficients, medium.source(p, ray.time));
     MediumInteraction {
         p,
         wo: -ray.d,
@@ -599,8 +752,8 @@ impl Passage {
         Passage { t: Spectrum::BLACK, r_l: Spectrum::WHITE, r_u: Spectrum::WHITE }
     }
 
-    /// Goes on through a stretch of a medium by ratio tracking [Novák, Selle and Jarosz 2014]: at each collision with the
-    /// majorant the share `1 - d/m` is left. Where the density is the same everywhere, `T` is known.
+    /// Goes on through a stretch of a medium by residual ratio tracking [Novák, Selle and Jarosz 2014]: at each collision with
+    /// the majorant of what is not known the share `(m - d)/(m - c)` is left. Where the density is the same everywhere, `T` is known.
     ///
     /// * `ray`: of unit direction, from its start to `t_max`
     pub fn through(
@@ -622,10 +775,14 @@ impl Passage {
             }
             return;
         }
-        let mut tracking = RatioTracking { stretch: &stretch, ray, passage: *self };
-        let arrives = walk(&stretch, ray, draws, &mut tracking);
+        let mut tracking =
+            RatioTracking { stretch: &stretch, ray, passage: *self, passed: PassedDensities::default() };
+        let arrives = walk(&Residual(&stretch), ray, draws, &mut tracking);
+        let known = tracking.passed.known(stretch.sigma_t);
         *self = tracking.passage;
         self.arrive(arrives, stretch.hero);
+        self.t *= known;
+        self.r_u *= known;
     }
 
     /// Comes to the end of a segment.
@@ -645,21 +802,29 @@ impl Passage {
     }
 }
 
-/// Ratio tracking of a segment through a medium.
+/// Residual ratio tracking of a segment through a medium.
 struct RatioTracking<'a> {
     stretch: &'a MediumAlongRay<'a>,
     ray: &'a Ray,
     passage: Passage,
+    /// From the start of the segment.
+    passed: PassedDensities,
 }
 
-impl CollisionVisitor<f32> for RatioTracking<'_> {
-    fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, &majorant: &f32) -> bool {
-        let (factor, real) =
-            (self.stretch.collision(t), (self.stretch.density(self.ray.at(at)) / majorant).min(1.0));
-        let Passage { t: left, r_l, r_u } = &mut self.passage;
-        *left *= factor * (1.0 - real);
-        *r_l *= factor;
-        *r_u *= factor * (1.0 - real);
-        left.is_black()
+impl CollisionVisitor<DensityRange> for RatioTracking<'_> {
+    #[inline]
+    fn pass(&mut self, _: &mut SampleStream<'_>, from: f32, to: f32, _: Spectrum, density: &DensityRange) {
+        self.passed.pass(density, to - from);
+    }
+
+    fn collide(&mut self, _: &mut SampleStream<'_>, at: f32, t: Spectrum, density: &DensityRange) -> bool {
+        let RatioTracking { stretch, ray, passage, .. } = self;
+        let factor = stretch.collision(t, t[stretch.hero]);
+        let real = stretch.real_share(ray, at, density.most);
+        let share = density.most * (1.0 - real) / density.width();
+        passage.t *= factor * share;
+        passage.r_l *= factor;
+        passage.r_u *= factor * share;
+        passage.t.is_black()
     }
 }

@@ -157,7 +157,7 @@ impl EquiangularRay {
         let mut passage = Passage::open(lanes.r_u);
         through_media(scene, &ray, &start.media, &mut with, &mut passage);
         let passed = lanes.r_u.safe_div(lanes.r_l) * passage.r_u.safe_div(passage.r_l);
-        let p = ray.at(ray.t_max);
+        let p = matter.source(ray.at(ray.t_max), ray.time);
         let density = matter.spectral_density(p, wavelengths);
         let sigma_s = scattering_at(coefficients, density, p, wavelengths);
         let pdf = all_lanes(passed, wavelengths) / before * all_lanes(matter.sigma_t * density, wavelengths);

@@ -64,6 +64,12 @@ struct Part<'a> {
     coefficients: &'a Coefficients,
 }
 
+impl Part<'_> {
+    fn density(&self, p: Vec3, time: f32) -> f32 {
+        self.stretch.density(self.stretch.source(p, time))
+    }
+}
+
 /// Majorants of all media on a span of the ray.
 #[derive(Clone, Copy)]
 struct Most {
@@ -121,20 +127,25 @@ impl<'a> Overlap<'a> {
         })
     }
 
-    fn densities(&self, p: Vec3) -> Densities {
+    /// * `time`: moment within the shutter interval
+    fn densities(&self, p: Vec3, time: f32) -> Densities {
         if self.is_homogeneous {
             return [1.0; MOST_MEDIA];
         }
-        self.parts.each_ref().map(|part| part.as_ref().map_or(0.0, |part| part.stretch.density(p)))
+        self.parts.each_ref().map(|part| part.as_ref().map_or(0.0, |part| part.density(p, time)))
     }
 
-    fn at(&self, p: Vec3, most: &Most) -> SummedCoefficients {
+    /// * `time`: moment within the shutter interval
+    fn at(&self, p: Vec3, time: f32, most: &Most) -> SummedCoefficients {
         let most = &most.densities;
         let densities: DensitiesByLanes = match self.is_homogeneous {
             true => [Spectrum::WHITE; MOST_MEDIA],
             false => array::from_fn(|k| {
                 let part = self.parts[k].as_ref();
-                let found = part.map(|part| part.stretch.spectral_density(p, &self.wavelengths));
+                let density_of = |Part { stretch, .. }: &Part<'_>| {
+                    stretch.spectral_density(stretch.source(p, time), &self.wavelengths)
+                };
+                let found = part.map(density_of);
                 found.map_or(Spectrum::BLACK, |density| density.map(|density| density.min(most[k])))
             }),
         };
@@ -143,13 +154,15 @@ impl<'a> Overlap<'a> {
     }
 
     /// Radiance per unit length that all of them give at a point.
-    fn emission(&self, p: Vec3, densities: &Densities) -> Spectrum {
+    ///
+    /// * `time`: moment within the shutter interval
+    fn emission(&self, p: Vec3, time: f32, densities: &Densities) -> Spectrum {
         let wavelengths = &self.wavelengths;
         let each = self.parts.iter().zip(densities).filter(|&(_, &density)| density > 0.0);
         each.fold(Spectrum::BLACK, |sum, (part, &density)| {
-            let Some(Part { coefficients, .. }) = part else { return sum };
+            let Some(Part { stretch, coefficients }) = part else { return sum };
             let emission = match coefficients.heat() {
-                Some(heat) => Some(heat.emission(p, wavelengths)),
+                Some(heat) => Some(heat.emission(stretch.source(p, time), wavelengths)),
                 None => coefficients.emission(wavelengths),
             };
             emission.map_or(sum, |emission| sum + emission * density)
@@ -304,7 +317,8 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
         let t = t * self.all.transmittance(most, at - from);
         let ratio = t * (1.0 / t[self.all.hero]);
         let mean = self.all.wavelengths.mean(self.lanes.r_u * ratio);
-        let radiance = self.all.emission(p, &self.all.densities(p));
+        let time = self.ray.time;
+        let radiance = self.all.emission(p, time, &self.all.densities(p, time));
         let added = self.beta * ratio * radiance * (self.sigma_a * -at).exp() * ((to - from) / mean);
         if added.is_finite() {
             *emitted += added;
@@ -314,7 +328,7 @@ impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
         let hero = self.all.hero;
         let is_homogeneous = self.all.is_homogeneous;
-        let SummedCoefficients { densities, real, null } = self.all.at(self.ray.at(at), most);
+        let SummedCoefficients { densities, real, null } = self.all.at(self.ray.at(at), self.ray.time, most);
         let lanes = &mut self.lanes;
         let is_real = is_homogeneous || draws.next_1d() * most.sigma[hero] < real[hero] || null[hero] <= 0.0;
         if !is_real {
@@ -393,7 +407,7 @@ fn sample_collision_in_all<'a>(
     let ray = Ray { t_min: 0.0, t_max: length, ..path.ray };
     if all.is_homogeneous && !all.scatters() {
         if gives_light {
-            let radiance = all.emission(ray.o, &[1.0; MOST_MEDIA]);
+            let radiance = all.emission(ray.o, ray.time, &[1.0; MOST_MEDIA]);
             path.emitted += path.beta * radiance * emission_integral(all.sigma_t + sigma_a, length);
         }
         path.beta *= transmittance(all.sigma_t + all.absorption, length);
@@ -410,15 +424,13 @@ fn sample_collision_in_all<'a>(
     };
     let arrives = walk(&all, &ray, &mut path.draws, &mut tracking);
     let OverlapDeltaTracking { beta, lanes, scattered, emitted, .. } = tracking;
-    let is_homogeneous = all.is_homogeneous;
-    path.leave_walk(
-        Walked { beta, lanes, emitted, is_homogeneous, is_scattered: scattered.is_some() },
-        arrives,
-    );
+    // Where nothing varies connections know what is left; elsewhere they draw all collisions.
+    let residual = arrives.filter(|_| !all.is_homogeneous).unwrap_or(Spectrum::WHITE);
+    path.leave_walk(Walked { beta, lanes, emitted, residual, is_scattered: scattered.is_some() }, arrives);
     path.beta *= transmittance(all.absorption, scattered.map_or(length, |(at, _)| at));
     let (at, k) = scattered?;
-    let coefficients = all.parts[k].as_ref()?.coefficients;
-    Some(collisions::scattered_at(path, coefficients, &ray, at))
+    let Part { stretch, coefficients } = all.parts[k].as_ref()?;
+    Some(collisions::scattered_at(path, coefficients, stretch, &ray, at))
 }
 
 impl Passage {
@@ -461,7 +473,7 @@ struct OverlapRatioTracking<'a> {
 
 impl CollisionVisitor<Most> for OverlapRatioTracking<'_> {
     fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
-        let SummedCoefficients { null, .. } = self.all.at(self.ray.at(at), most);
+        let SummedCoefficients { null, .. } = self.all.at(self.ray.at(at), self.ray.time, most);
         let hero = t[self.all.hero] * most.sigma[self.all.hero];
         let by = if hero > 0.0 { 1.0 / hero } else { 0.0 };
         let Passage { t: left, r_l, r_u } = &mut self.passage;
