@@ -8,6 +8,7 @@ mod chain_counts;
 pub mod context;
 pub mod film;
 pub mod integrator;
+mod kept_state;
 pub mod order;
 mod progress;
 mod ray_counters;
@@ -24,6 +25,7 @@ pub use film::{
     ClampedLight, DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap,
 };
 pub use kajo_core::light::MAX_LIGHT_GROUPS;
+pub use kept_state::KeptState;
 pub use progress::{Progress, Silent};
 pub use ray_counters::RayCounters;
 pub use rect::Rect;

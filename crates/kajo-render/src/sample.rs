@@ -4,7 +4,7 @@ use std::num::NonZeroU32;
 
 use kajo_math::{Vec2, Vec3};
 
-use crate::{RayCounters, SampleContext, Setup, SetupError, Trail};
+use crate::{KeptState, RayCounters, SampleContext, Setup, SetupError, Trail};
 
 /// What one camera ray brings to the film. Values of rarer layers are in [`SampleContext::aux`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -95,7 +95,12 @@ pub trait PixelIntegrator: Sync {
         matches!(self.samples_per_state(), None | Some(SamplesPerState::ONE))
     }
 
-    /// The integrator with the state of part `k` of the samples: a function of the scene, the seed and `k`.
+    /// Has it start from what renders of the same scene through other cameras left, and leave its own to those that follow: records
+    /// of irradiance. Of an integrator that has nothing of the kind nothing is kept.
+    fn keep_state(&mut self, _kept: &KeptState) {}
+
+    /// The integrator with the state of part `k` of the samples: a function of the scene, the seed and `k`, and of what is
+    /// [kept](PixelIntegrator::keep_state).
     ///
     /// # Errors
     /// [`SetupError`]

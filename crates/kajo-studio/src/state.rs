@@ -456,6 +456,7 @@ impl Studio {
                 let habits = &self.options.habits;
                 let mut job = Job::new(scene, settings).through(self.camera.clone());
                 job.downscale = if habits.progressive { habits.downscale.max(1) } else { 1 };
+                job.keeps_state = habits.keep_records;
                 job.views = self.views();
                 job.coarse_views = vec![self.view];
                 let job = if habits.endless { job.without_end() } else { job };

@@ -94,7 +94,8 @@ pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::integrator::{AUTO, Defaults, INTEGRATORS, IntegratorSettings, IntegratorSpec};
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{
-    ClampedLight, Film, Goal, LARGEST_R_HAT, Position, Progress, RayCounters, Rect, RenderStats, Silent,
+    ClampedLight, Film, Goal, KeptState, LARGEST_R_HAT, Position, Progress, RayCounters, Rect, RenderStats,
+    Silent,
 };
 pub use kajo_scene::{
     AssetError, AssetFile, Assets, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, MemoryBudget,

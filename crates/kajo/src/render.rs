@@ -11,8 +11,8 @@ use kajo_core::scene::Scene;
 use kajo_image::{BitDepth, Format, Image, ImageError};
 use kajo_render::integrator::Prepare;
 use kajo_render::{
-    ClampedLight, Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
-    RenderError as PassError, RenderStats,
+    ClampedLight, Film, FilmError, FilmSpec, Goal, KeptState, Layer, LayerSet, PixelIntegrator, Position,
+    Progress, RenderError as PassError, RenderStats,
 };
 use kajo_scene::in_words;
 
@@ -147,6 +147,9 @@ pub struct RenderRequest<'a> {
     pub outputs: &'a [(View, Format)],
     /// What may be used up; the picture has the same bits whatever it says.
     pub resources: Resources,
+    /// What renders of the scene through other cameras left, to start from and to add to; renders that write or read a
+    /// checkpoint do neither.
+    pub kept: Option<&'a KeptState>,
 }
 
 impl<'a> RenderRequest<'a> {
@@ -156,7 +159,7 @@ impl<'a> RenderRequest<'a> {
         settings: &'a RenderSettings,
         outputs: &'a [(View, Format)],
     ) -> RenderRequest<'a> {
-        RenderRequest { scene, camera: None, settings, outputs, resources: Resources::default() }
+        RenderRequest { scene, camera: None, settings, outputs, resources: Resources::default(), kept: None }
     }
 
     /// The same through another camera.
@@ -167,6 +170,11 @@ impl<'a> RenderRequest<'a> {
     /// The same with these resources.
     pub fn with(self, resources: Resources) -> RenderRequest<'a> {
         RenderRequest { resources, ..self }
+    }
+
+    /// The same from what renders of the scene through other cameras left: records of irradiance, which it adds its own to.
+    pub fn keeping(self, kept: &'a KeptState) -> RenderRequest<'a> {
+        RenderRequest { kept: Some(kept), ..self }
     }
 
     pub(crate) fn camera(&self) -> &'a Camera {
@@ -230,7 +238,10 @@ impl<'a> RenderRequest<'a> {
 /// [`RenderError`]; the size is checked before anything is allocated.
 pub fn render(request: &RenderRequest<'_>, progress: &dyn Progress) -> Result<Picture, RenderError> {
     let layers = request.layers();
-    let integrator = request.integrator(layers);
+    let mut integrator = request.integrator(layers);
+    if let Some(kept) = request.kept {
+        integrator.keep_state(kept);
+    }
     let one_pass = integrator
         .samples_per_state()
         .is_none_or(|per_state| per_state.end_of_part(0) >= request.settings.samples.1);
@@ -263,7 +274,12 @@ pub fn render_passes(
     let goal = &passes.goal;
     let spec = request.spec_of_passes(goal)?;
     let layers = spec.layers;
-    let integrator = request.integrator(layers);
+    let mut integrator = request.integrator(layers);
+    // What goes on later makes its state anew.
+    let goes_on = passes.resume.is_some() || passes.checkpoint.is_some();
+    if let Some(kept) = request.kept.filter(|_| !goes_on) {
+        integrator.keep_state(kept);
+    }
     request.check_memory(&spec)?;
     let identity = Identity::new(passes.scene, (scene, request.camera()), settings, &spec, goal);
     let schedule = request.schedule(&spec);

@@ -64,6 +64,8 @@ pub struct Job {
     pub coarse_views: Vec<View>,
     /// Sides of the first picture are shorter by this factor, and of the next by half of it; 1 begins at full size.
     pub downscale: u32,
+    /// Whether it starts from the records of irradiance of the jobs before, where those had the same scene and settings.
+    pub keeps_state: bool,
 }
 
 impl Job {
@@ -71,7 +73,15 @@ impl Job {
     pub fn new(scene: Arc<Scene>, settings: RenderSettings) -> Job {
         use View::{Depth, Material, Normals, Object, Samples, Uv, Variance};
         let views = vec![Depth, Normals, Uv, Object, Material, Samples, Variance];
-        Job { scene, camera: None, settings, views, coarse_views: Vec::new(), downscale: 8 }
+        Job {
+            scene,
+            camera: None,
+            settings,
+            views,
+            coarse_views: Vec::new(),
+            downscale: 8,
+            keeps_state: false,
+        }
     }
 
     /// The same from another place.

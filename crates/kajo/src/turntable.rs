@@ -8,7 +8,7 @@ use kajo_math::DVec3;
 use kajo_render::Progress;
 
 use crate::output::{OutputError, Target};
-use crate::{CameraPose, RenderError, RenderRequest, RenderSettings, Resources, View, render};
+use crate::{CameraPose, KeptState, RenderError, RenderRequest, RenderSettings, Resources, View, render};
 
 /// The frames of a turntable.
 #[derive(Clone, Debug)]
@@ -62,6 +62,8 @@ impl Turntable {
 
     /// Renders all frames and writes them to [`Turntable::files`]; returns their paths.
     ///
+    /// Each frame starts from the records of irradiance of those before.
+    ///
     /// * `inputs`: real paths of files that must not be overwritten
     /// * `progress`: told of all frames together
     ///
@@ -81,13 +83,12 @@ impl Turntable {
         let targets = Target::check_all(&files, inputs)?;
         let ending = path.extension().map(|ending| ending.to_string_lossy());
         let format = ending.and_then(|ending| Format::from_extension(&ending)).unwrap_or(Format::Png);
+        let kept = KeptState::default();
         for ((frame, camera), target) in (0..).zip(self.cameras()).zip(&targets) {
             let part = Part { progress, frame, frames: self.frames };
             let outputs = [(self.view, format)];
-            let picture = render(
-                &RenderRequest::new(scene, settings, &outputs).through(&camera).with(*resources),
-                &part,
-            )?;
+            let request = RenderRequest::new(scene, settings, &outputs).through(&camera).with(*resources);
+            let picture = render(&request.keeping(&kept), &part)?;
             target.write(&picture.encode(&[self.view], format, BitDepth::Eight)?)?;
         }
         Ok(files)

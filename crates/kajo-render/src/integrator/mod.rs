@@ -41,7 +41,7 @@ use kajo_core::settings::Settings;
 use kajo_math::Vec2;
 
 use crate::trail::{Counting, PathObserver};
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, SamplesPerState};
+use crate::{KeptState, LayerSet, PixelIntegrator, PixelSample, SampleContext, SamplesPerState};
 use crate::{Setup, SetupError, Trail, WithState};
 
 /// Writes the enum of all settings, with a `match` for each method of [`Prepare`].
@@ -174,6 +174,9 @@ pub(crate) trait Integrator: Sync {
         matches!(Integrator::samples_per_state(self), None | Some(SamplesPerState::ONE))
     }
 
+    /// As [`PixelIntegrator::keep_state`].
+    fn keep_state(&mut self, _kept: &KeptState) {}
+
     /// As [`PixelIntegrator::with_state`], for those that have some.
     fn with_state<'a>(&'a self, _k: u32, _setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         Err(SetupError::Refused("this integrator has no state".to_owned()))
@@ -204,6 +207,10 @@ impl<I: Integrator> PixelIntegrator for I {
 
     fn noise_is_known(&self) -> bool {
         Integrator::noise_is_known(self)
+    }
+
+    fn keep_state(&mut self, kept: &KeptState) {
+        Integrator::keep_state(self, kept);
     }
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

@@ -55,6 +55,11 @@ fn picture(ui: &mut Ui, options: &mut RenderOptions, settings: &RenderSettings) 
         row(ui, "Endless", "Adds samples until you stop it", |ui| {
             ui.checkbox(&mut options.habits.endless, "No last sample")
         });
+        if settings.values().show_records.is_some() {
+            let hint = "Starts from the irradiance of the picture before, where only the camera moved: sooner, but not the \
+                        same bits as from the beginning";
+            row(ui, "Records", hint, |ui| ui.checkbox(&mut options.habits.keep_records, "Keep"));
+        }
         let hint = "Albedo, motion and groups of lights too, for pixels and OpenEXR files";
         row(ui, "Layers", hint, |ui| ui.checkbox(&mut options.habits.all_layers, "Record all"));
         row(ui, "Show uv", "Picture coordinates as red and green: the first exercise of the course", |ui| {

@@ -41,6 +41,8 @@ pub struct Habits {
     pub live: bool,
     /// Whether samples are added without end.
     pub endless: bool,
+    /// Whether a trace starts from the records of irradiance of the one before, where only the camera moved.
+    pub keep_records: bool,
     /// Whether a trace records layers that are not shown.
     pub all_layers: bool,
     /// Size of the picture.
@@ -57,6 +59,7 @@ impl Default for Habits {
             progressive: true,
             live: true,
             endless: false,
+            keep_records: true,
             all_layers: false,
             size: PictureSize::Window,
             turntable_frames: 36,

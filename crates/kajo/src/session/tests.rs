@@ -190,3 +190,36 @@ fn what_cannot_be_rendered_is_said() {
     session.start(Job::new(Arc::clone(&scene), settings(&scene, [8, 8], (SamplerKind::Sobol, 4))));
     assert!(matches!(session.wait(), Status::Finished));
 }
+
+/// Where only the camera moved, a job starts from the records of the one before, if it is asked to; a job of another scene does not.
+#[test]
+fn records_are_kept_while_only_the_camera_moves() {
+    let scene = || {
+        let text = "PerspectiveCamera { center 0 0 1.9 direction 0 -0.2 -1 up 0 1 0 angle 60 }
+            Lights { PointLight { position 0 1.5 0  intensity 4 4 4 } }
+            Materials { Matte { color 0.6 0.5 0.4 } }
+            Group { MaterialIndex 0 Box { min -2 -2 -2 max 2 2 2 } }
+            Settings { integrator irradiance  rays 64  bounces 2 }";
+        let loaded = load_from("a.txt", &MemoryAssets::new().with("a.txt", text), &LoadOptions::default());
+        Arc::new(loaded.scene.unwrap())
+    };
+    let (room, other) = (scene(), scene());
+    let settings = settings(&room, [24, 24], (SamplerKind::Sobol, 1));
+    let mut moved = CameraPose::of(&room);
+    moved.orbit(Default::default(), 0.1, 0.0);
+    let session = Session::new(1, || {});
+    let rays = |scene: &Arc<Scene>, keeps_state: bool, camera: Option<&CameraPose>| {
+        let job = Job { keeps_state, ..Job::new(Arc::clone(scene), settings) };
+        session.start(camera.into_iter().fold(job, |job, camera| job.through(camera.clone())));
+        assert!(matches!(session.wait(), Status::Finished));
+        let frame = session.frame().unwrap();
+        (frame.stats().rays.total(), frame.light().data().to_vec())
+    };
+    let fresh = rays(&room, true, None);
+    let alone = rays(&room, false, Some(&moved));
+    let kept = rays(&room, true, Some(&moved));
+    assert!(3 * kept.0 < fresh.0, "{} of {}", kept.0, fresh.0);
+    assert!(3 * kept.0 < alone.0, "{} of {}", kept.0, alone.0);
+    assert_eq!(rays(&room, false, Some(&moved)), alone);
+    assert_eq!(rays(&other, true, Some(&moved)), alone);
+}

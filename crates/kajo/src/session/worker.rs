@@ -10,6 +10,7 @@ use kajo_core::camera::Camera;
 use kajo_core::sampler::SamplerKind;
 use kajo_core::scene::Scene;
 use kajo_image::Format;
+use kajo_render::integrator::Prepare;
 use kajo_render::{
     Film, FilmSpec, Filter, Goal, Layer, LayerSet, Position, Progress, RenderError as PassError, RenderStats,
     panic_message,
@@ -17,7 +18,7 @@ use kajo_render::{
 
 use super::{Frame, Job, Status};
 use crate::render::{BYTES_TO_ENCODE, check_memory, film_spec, integrator, schedule};
-use crate::{RenderError, RenderSettings, Resources, View};
+use crate::{IntegratorSettings, KeptState, RenderError, RenderSettings, Resources, View};
 
 /// Longest time between two frames, as far as a sample of each pixel allows.
 const FRAME_INTERVAL: Duration = Duration::from_millis(250);
@@ -89,8 +90,11 @@ impl Shared {
 
     /// Renders one job after the other until the session is over.
     pub fn work(&self) {
+        let mut last: Option<KeptOfScene> = None;
         while let Some((number, job)) = self.next() {
-            let run = Run { shared: self, number, start: Instant::now() };
+            last = last.filter(|last| last.suit(&job));
+            let kept = job.keeps_state.then(|| &last.get_or_insert_with(|| KeptOfScene::new(&job)).state);
+            let run = Run { shared: self, number, start: Instant::now(), kept };
             let outcome = catch_unwind(AssertUnwindSafe(|| run.render(&job)));
             let outcome = outcome.unwrap_or_else(|panic| Err(RenderError::panicked(panic_message(&*panic))));
             run.end(outcome);
@@ -117,6 +121,27 @@ struct Run<'a> {
     shared: &'a Shared,
     number: u64,
     start: Instant,
+    kept: Option<&'a KeptState>,
+}
+
+/// What jobs leave to those after them, and what it is of.
+struct KeptOfScene {
+    scene: Arc<Scene>,
+    settings: IntegratorSettings,
+    state: KeptState,
+}
+
+impl KeptOfScene {
+    fn new(job: &Job) -> KeptOfScene {
+        let settings = job.settings.integrator_settings;
+        KeptOfScene { scene: Arc::clone(&job.scene), settings, state: KeptState::default() }
+    }
+
+    /// Whether it is good for a job: nothing but its camera may be another one.
+    fn suit(&self, job: &Job) -> bool {
+        Arc::ptr_eq(&self.scene, &job.scene)
+            && self.settings.values() == job.settings.integrator_settings.values()
+    }
 }
 
 /// Whether a job came to its end.
@@ -160,7 +185,10 @@ impl Run<'_> {
     ) -> Result<Outcome, RenderError> {
         let spec = FilmSpec { halves: false, ..film_spec(camera, &settings, layers) };
         let film = Arc::new(Film::new(spec, u64::MAX).map_err(RenderError::Film)?);
-        let integrator = integrator(&job.scene, camera, &settings, layers);
+        let mut integrator = integrator(&job.scene, camera, &settings, layers);
+        if let Some(kept) = self.kept {
+            integrator.keep_state(kept);
+        }
         let schedule = schedule(&settings, resources);
         let goal = Goal { interval: Some(FRAME_INTERVAL), ..Goal::default() };
         let show = &mut |_: &Film, position: &Position, stats: &RenderStats| {

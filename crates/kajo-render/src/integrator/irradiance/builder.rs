@@ -24,7 +24,7 @@ use kajo_math::{Frame, Ray, Vec2, Vec3};
 use super::hemisphere::{Derivatives, Hemisphere, RayResult, Strata};
 use super::mesh::eigenvalues;
 use super::octree::Octree;
-use super::record::{IrradianceQuery, Record};
+use super::record::{GatheredRecord, IrradianceQuery, Record};
 use super::{Cache, IrradianceSettings};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::path::{
@@ -75,6 +75,9 @@ struct Proposal {
     at: IrradianceQuery,
 }
 
+/// A record with its place and the size of a pixel there.
+type MadeRecord = (IrradianceQuery, GatheredRecord, f32);
+
 /// What a proposal sees.
 struct ProposalVertex {
     surface: SurfaceInteraction,
@@ -98,12 +101,20 @@ impl<'b, 'a> Builder<'b, 'a> {
     }
 
     /// The cache, and the rays that it took.
-    pub fn build(&self) -> Result<(Cache, RayCounters), SetupError> {
+    ///
+    /// * `kept`: records to start from, which those that are made are added to
+    pub fn build(
+        &self,
+        mut kept: Option<&mut Vec<GatheredRecord>>,
+    ) -> Result<(Cache, RayCounters), SetupError> {
         let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
         let tree = Octree::new(world.center, world.radius);
         let turn = self.settings.accuracy.clamp(1e-4, LARGEST_TURN);
         let mut cache = Cache { tree, turn, is_needed: false };
         let mut rays = RayCounters::default();
+        if let Some(kept) = &mut kept {
+            self.start_from(kept, &mut cache);
+        }
         for spacing in SPACINGS {
             let (mut proposals, cast) = self.proposals(spacing, &mut cache)?;
             rays += cast;
@@ -119,16 +130,32 @@ impl<'b, 'a> Builder<'b, 'a> {
                     self.setup.tasks(round.len() as u32, |i| self.record(&round[i as usize]))?
                 {
                     rays += cast;
-                    if let Some((at, record)) = record
+                    if let Some((at, gathered, pixel_size)) = record
                         && !cache.covers(&at)
                     {
-                        cache.tree.insert_clamped(record);
+                        cache.tree.insert_clamped(self.fitted(&gathered, pixel_size));
+                        if let Some(kept) = &mut kept {
+                            kept.push(gathered);
+                        }
                     }
                 }
                 self.check_memory(&cache)?;
             }
         }
         Ok((cache, rays))
+    }
+
+    /// Adds records that another camera has needed; too many are forgotten.
+    fn start_from(&self, kept: &mut Vec<GatheredRecord>, cache: &mut Cache) {
+        let room = self.setup.memory / 4;
+        let pixel_sizes = self.pixel_sizes().filter(|_| size_of_val(&**kept) as u64 <= room);
+        let Some(pixel_size) = pixel_sizes else { return kept.clear() };
+        for gathered in kept {
+            let size = pixel_size(gathered.record.p);
+            if size > 0.0 {
+                cache.tree.insert_clamped(self.fitted(gathered, size));
+            }
+        }
     }
 
     fn check_memory(&self, cache: &Cache) -> Result<(), SetupError> {
@@ -187,19 +214,16 @@ impl<'b, 'a> Builder<'b, 'a> {
         (seen.pixel_size > 0.0 && seen.at.p.is_finite()).then_some(seen)
     }
 
-    /// The record of a proposal, with its place, and the rays that it took; none where it is of no use.
-    fn record(
-        &self,
-        proposal: &Proposal,
-    ) -> Result<(Option<(IrradianceQuery, Record)>, RayCounters), SetupError> {
+    /// The record of a proposal, with its place and the size of a pixel there, and the rays that it took; none where it is of no use.
+    fn record(&self, proposal: &Proposal) -> Result<(Option<MadeRecord>, RayCounters), SetupError> {
         let sampler = Sampler::new(SamplerKind::Sobol, 1);
         let mut ctx = SampleContext::new(&sampler, mix(self.setup.seed ^ SALTS[0]));
         let seen = self.look(&mut ctx, proposal.pixel);
         let Some(seen) = seen else { return Ok((None, ctx.rays)) };
         let mut counting = Counting::new(&ctx);
         let hemisphere = self.gather(&seen, proposal.pixel, &mut counting);
-        let record = self.summary(&seen, &hemisphere);
-        Ok((Some((seen.at, record)), counting.rays))
+        let gathered = self.summary(&seen, &hemisphere);
+        Ok((Some((seen.at, gathered, seen.pixel_size)), counting.rays))
     }
 
     /// Sends a ray into each stratum.
@@ -252,7 +276,7 @@ impl<'b, 'a> Builder<'b, 'a> {
     }
 
     /// What is kept of a hemisphere.
-    fn summary(&self, seen: &ProposalVertex, hemisphere: &Hemisphere) -> Record {
+    fn summary(&self, seen: &ProposalVertex, hemisphere: &Hemisphere) -> GatheredRecord {
         let derivatives = match self.settings.gradients {
             Gradients::Off => Derivatives::default(),
             Gradients::Strata => {
@@ -264,17 +288,29 @@ impl<'b, 'a> Builder<'b, 'a> {
             Gradients::Off => [Vec2::ZERO; 3],
             _ => hemisphere.rotational_gradient().map(|gradient| gradient.as_vec2()),
         };
-        let mut record = Record {
+        let bends = self.settings.gradients == Gradients::Occlusion;
+        let (values, axis) = if bends { eigenvalues(derivatives.hessian) } else { ([0.0; 2], 1.0) };
+        let record = Record {
             p: seen.at.p,
             n: seen.at.n,
             irradiance: hemisphere.irradiance().map(|e| e as f32),
             by_normal,
             by_position: derivatives.gradient.map(|gradient| gradient.as_vec2()),
             radii: [0.0; 2],
-            axis: 1.0,
+            axis: axis as f32,
         };
-        let (radii, axis) = self.radii(&record, &derivatives, hemisphere.mean_distance(), seen.pixel_size);
-        let [least, most] = RADII.map(|radius| radius * seen.pixel_size);
+        let [short, long] = values.map(|value| value.abs() as f32);
+        let mean_distance = hemisphere.mean_distance() as f32;
+        GatheredRecord { record, curvatures: bends.then_some([long, short]), mean_distance }
+    }
+
+    /// A record with its radii for this camera.
+    ///
+    /// * `pixel_size`: of a pixel there, in units of the world
+    fn fitted(&self, gathered: &GatheredRecord, pixel_size: f32) -> Record {
+        let mut record = gathered.record;
+        let radii = self.radii(gathered, pixel_size);
+        let [least, most] = RADII.map(|radius| radius * pixel_size);
         // Further away than this, light would be negative.
         let mean = (record.by_position[0] + record.by_position[1] + record.by_position[2]) / 3.0;
         let positive = record.mean() / mean.length();
@@ -285,11 +321,10 @@ impl<'b, 'a> Builder<'b, 'a> {
             record.by_position = record.by_position.map(|gradient| gradient * held);
         }
         record.radii = radii.map(|radius| radius.min(positive).clamp(least, most));
-        record.axis = axis;
         record
     }
 
-    /// How far a record is good for, the larger radius first, and the axis of the larger one.
+    /// How far a record is good for, the larger radius first.
     ///
     /// By the Hessian's eigenvalues `l`, with the irradiance `E` and the accuracy `a`,
     ///
@@ -299,25 +334,28 @@ impl<'b, 'a> Builder<'b, 'a> {
     ///
     /// so that the error of second order, `l x^2 / 2`, summed over the disk is that of `a E` over the area `A`: here a square of a tenth of the
     /// picture's height. Without a Hessian `a` times the harmonic mean of the distances around [Ward, Rubinstein and Clear 1988].
-    fn radii(
-        &self,
-        record: &Record,
-        derivatives: &Derivatives,
-        mean_distance: f64,
-        pixel_size: f32,
-    ) -> ([f32; 2], f32) {
+    fn radii(&self, gathered: &GatheredRecord, pixel_size: f32) -> [f32; 2] {
         let accuracy = self.settings.accuracy;
-        if self.settings.gradients != Gradients::Occlusion {
-            return ([accuracy * mean_distance as f32; 2], 1.0);
-        }
+        let Some(curvatures) = gathered.curvatures else { return [accuracy * gathered.mean_distance; 2] };
         let side = SQUARE * self.view.size[1] as f32 * pixel_size;
-        let allowed = 4.0 * std::f32::consts::FRAC_1_PI * accuracy * record.mean() * side * side;
-        let (values, axis) = eigenvalues(derivatives.hessian);
-        let [short, long] = values.map(|value| {
-            let ratio = allowed / value.abs() as f32;
+        let allowed = 4.0 * std::f32::consts::FRAC_1_PI * accuracy * gathered.record.mean() * side * side;
+        curvatures.map(|curvature| {
+            let ratio = allowed / curvature;
             if ratio.is_finite() { ratio.sqrt().sqrt() } else { f32::INFINITY }
-        });
-        ([long, short], axis as f32)
+        })
+    }
+
+    /// How large a pixel is at a point, in units of the world, as for one in the middle of the picture; `None` where no ray goes through
+    /// that.
+    fn pixel_sizes(&self) -> Option<impl Fn(Vec3) -> f32> {
+        let middle = self.view.size.map(|n| n / 2);
+        let sampler = Sampler::new(SamplerKind::Sobol, 1);
+        let mut ctx = SampleContext::new(&sampler, mix(self.setup.seed ^ SALTS[0]));
+        let raster = Vec2::new(middle[0] as f32, middle[1] as f32) + ctx.begin(middle, 0);
+        let mut draws = ctx.draws;
+        let ray = self.view.ray(raster, &mut draws)?;
+        let footprint = self.view.footprint(&ray, raster, ctx.draws)?;
+        Some(move |p: Vec3| footprint.at(p.distance(ray.o)))
     }
 }
 

@@ -28,11 +28,11 @@ use super::Integrator;
 use super::camera_view::CameraView;
 use super::path::{DiffuseVertex, Indirect, IndirectLight, Path};
 use crate::trail::PathObserver;
+use crate::{KeptState, SamplesPerState, Setup, SetupError, WithState};
 use crate::{Layer, LayerSet, PixelSample, SampleContext};
-use crate::{SamplesPerState, Setup, SetupError, WithState};
 use builder::{Builder, FirstDiffuseVisitor};
 use octree::Octree;
-use record::IrradianceQuery;
+use record::{GatheredRecord, IrradianceQuery};
 pub use settings::{IRRADIANCE, IrradianceSettings};
 
 /// An irradiance cache over one scene and one picture size, before it has records: it follows paths.
@@ -45,6 +45,8 @@ pub struct IrradianceCaching<'a> {
     plain: Path<'a>,
     /// Whether the picture has the layer of records.
     wants_records: bool,
+    /// What it starts from and adds to.
+    kept: Option<KeptState>,
 }
 
 /// The records.
@@ -54,6 +56,26 @@ struct Cache {
     turn: f32,
     /// Whether any light was asked for.
     is_needed: bool,
+}
+
+/// Records for a render through another camera.
+///
+/// What a record knows of its surroundings holds for any camera. How far it is used does not: radii are bounded by pixels, and the error
+/// allowed grows with the picture. So records are kept as they were gathered, and their radii are worked out anew for each camera, by the
+/// size that a pixel has at their distance from it.
+struct KeptRecords {
+    /// How they were made.
+    settings: IrradianceSettings,
+    /// In the order in which they came.
+    records: Vec<GatheredRecord>,
+}
+
+impl KeptRecords {
+    /// Whether they are what these settings make.
+    fn suit(&self, settings: &IrradianceSettings) -> bool {
+        let of = |settings: &IrradianceSettings| IrradianceSettings { shows_records: false, ..*settings };
+        of(&self.settings) == of(settings)
+    }
 }
 
 /// How far the point is seen that stands for a record, as a share of its smaller radius.
@@ -115,6 +137,7 @@ impl<'a> IrradianceCaching<'a> {
             paths: Path::through(camera, scene, settings.paths(), size, layers),
             plain: Path::through(camera, scene, settings.paths(), size, none),
             wants_records: layers.has(Layer::CacheRecords),
+            kept: None,
         }
     }
 }
@@ -131,13 +154,29 @@ impl Integrator for IrradianceCaching<'_> {
         self.paths.observe(ctx, pixel, raster, observer)
     }
 
+    fn keep_state(&mut self, kept: &KeptState) {
+        self.kept = Some(kept.clone());
+    }
+
     fn samples_per_state(&self) -> Option<SamplesPerState> {
         Some(SamplesPerState::All)
     }
 
     fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
-        let (cache, rays) = Builder::new(&self.view, &self.plain, self.settings, setup).build()?;
+        let mut kept = self.kept.as_ref().map(|kept| {
+            let before = kept.take().filter(|before: &KeptRecords| before.suit(&self.settings));
+            before.map_or_else(Vec::new, |before| before.records)
+        });
+        let before = kept.as_ref().map_or(0, Vec::len);
+        let (cache, rays) =
+            Builder::new(&self.view, &self.plain, self.settings, setup).build(kept.as_mut())?;
         let mut notes = Vec::new();
+        if let Some((slot, records)) = self.kept.as_ref().zip(kept) {
+            slot.put(KeptRecords { settings: self.settings, records });
+        }
+        if before > 0 {
+            notes.push(format!("it starts from {before} records of irradiance of the pictures before"));
+        }
         if !cache.is_needed {
             let note = "no surface that is seen reflects indirect light evenly, so there is nothing to be cached; \
                         `integrator path` finds the same picture";

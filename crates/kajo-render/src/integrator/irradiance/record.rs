@@ -29,6 +29,17 @@ pub struct Record {
     pub axis: f32,
 }
 
+/// A record before it is known how far it is used, which depends on the camera.
+#[derive(Clone, Copy, Debug)]
+pub struct GatheredRecord {
+    /// Without radii.
+    pub record: Record,
+    /// By how much irradiance bends along the axis and across it, the smaller one first; `None` where radii are by distances.
+    pub curvatures: Option<[f32; 2]>,
+    /// Harmonic mean of the distances around.
+    pub mean_distance: f32,
+}
+
 /// A position where irradiance is asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct IrradianceQuery {

@@ -11,7 +11,7 @@ use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, b
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`IrradianceCaching`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IrradianceSettings {
     /// Maximum number of scattering events of a path before the surface that the cache lights.
     pub bounces: u32,

@@ -65,7 +65,7 @@ fn cached(scene: &Scene, settings: IrradianceSettings, size: [u32; 2], samples: 
 fn records(scene: &Scene, settings: IrradianceSettings, size: [u32; 2], seed: u64) -> Cache {
     let caching = IrradianceCaching::new(scene, settings, size, LayerSet::of(&[]));
     let setup = setup(seed);
-    Builder::new(&caching.view, &caching.plain, settings, &setup).build().unwrap().0
+    Builder::new(&caching.view, &caching.plain, settings, &setup).build(None).unwrap().0
 }
 
 /// All light is the same everywhere, so no record is wrong but by noise.
@@ -107,7 +107,7 @@ fn the_indirect_light_in_a_ball_is_even() {
         IrradianceSettings { rays: 8192, accuracy: 0.02, bounces: 40, ..with(Gradients::Occlusion) };
     let caching = IrradianceCaching::new(&scene, settings, size, LayerSet::of(&[]));
     let setup = Setup { threads: 2, ..setup(1) };
-    let (cache, rays) = Builder::new(&caching.view, &caching.plain, settings, &setup).build().unwrap();
+    let (cache, rays) = Builder::new(&caching.view, &caching.plain, settings, &setup).build(None).unwrap();
     let n = cache.tree.records().len();
     assert!((8..200).contains(&n), "{n} records");
     assert!(rays.reflected > 8000 * n as u64);
@@ -275,4 +275,65 @@ fn what_cannot_be_is_said() {
     assert_eq!(matt, "");
     let refused = made(&scene("Matte m { color 0.5 0.5 0.5 }"), 100).unwrap_err().to_string();
     assert!(refused.contains("0 MB") && refused.contains("larger `accuracy`"), "{refused}");
+}
+
+/// A picture through another camera that starts from the records of one before takes few rays more, whatever the threads, and is as right;
+/// one of other settings starts afresh.
+#[test]
+fn a_moved_camera_starts_from_the_records_before() {
+    let view = |from: [f32; 3]| {
+        let text = format!(
+            "{} Lights {{ PointLight {{ position 0 1.5 0  intensity 4 4 4 }} }}
+             Materials {{ Matte wall {{ color 0.6 0.5 0.4 }} }}
+             Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                      MaterialIndex wall Sphere {{ center 0.5 -0.5 0 radius 0.8 }} }}",
+            camera(from, [0.0, -0.5, 0.0], 60.0)
+        );
+        scene(&text)
+    };
+    let count = |kept: &KeptState| {
+        let records: KeptRecords = kept.take().expect("there are records");
+        let count = records.records.len();
+        kept.put(records);
+        count
+    };
+    let (first, second) = (view([0.0, 0.0, 1.9]), view([0.4, 0.3, 1.6]));
+    let size = [32, 32];
+    for gradients in ALL {
+        let settings = IrradianceSettings { rays: 256, bounces: 4, ..with(gradients) };
+        let made = |scene: &Scene, settings, threads, kept: Option<&KeptState>| {
+            let layers = LayerSet::of(&[Layer::Color]);
+            let mut integrator = IrradianceCaching::new(scene, settings, size, layers);
+            if let Some(kept) = kept {
+                PixelIntegrator::keep_state(&mut integrator, kept);
+            }
+            let setup = Setup { threads, ..setup(5) };
+            let rays = PixelIntegrator::with_state(&integrator, 0, &setup).unwrap().rays.total();
+            (rays, picture(&integrator, size, 16))
+        };
+        let (fresh, alone) = made(&second, settings, 1, None);
+        let from_the_first = |threads: usize| {
+            let kept = KeptState::default();
+            let (rays, _) = made(&first, settings, threads, Some(&kept));
+            let before = count(&kept);
+            assert!(before > 10 && rays > 256 * before as u64, "{before} records, {rays} rays");
+            let (rays, picture) = made(&second, settings, threads, Some(&kept));
+            assert!(count(&kept) >= before);
+            (rays, picture, kept)
+        };
+        let (rays, with_kept, kept) = from_the_first(1);
+        assert!(2 * rays < fresh, "{gradients:?}: {rays} of {fresh} rays");
+        assert_eq!(with_kept.data(), from_the_first(3).1.data());
+        let [a, b] = [mean(&with_kept), mean(&alone)];
+        assert!((a / b - 1.0).abs() < 0.01, "{gradients:?}: {a} and {b}");
+        // Without gradients a picture differs as much from one of other records.
+        let allowed = if gradients == Gradients::Off { 0.08 } else { 0.03 };
+        let differences = with_kept.data().iter().zip(alone.data()).map(|(a, b)| f64::from((a - b).abs()));
+        let off = differences.sum::<f64>() / alone.data().len() as f64 / b;
+        assert!(off < allowed, "{gradients:?}: {off}");
+        // Other records are wanted now.
+        let finer = IrradianceSettings { accuracy: 0.05, ..settings };
+        let (rays, _) = made(&second, finer, 1, Some(&kept));
+        assert_eq!(rays, made(&second, finer, 1, None).0);
+    }
 }
