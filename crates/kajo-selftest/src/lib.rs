@@ -113,9 +113,21 @@ pub fn trials(seed: u64) -> Vec<Trial> {
 /// The rows of one scene: one for each method that solves it.
 fn of_form(form: Form) -> Vec<Trial> {
     let trial = |method: &method::Method| {
-        let Form { name, scene, files, settings, pattern, size, expected, rounding, least_noise, .. } =
-            form.clone();
-        let settings = format!("Settings {{ samples {pattern} 1 {settings} {} }}", method.settings);
+        let Form {
+            name,
+            scene,
+            files,
+            bounces,
+            settings,
+            pattern,
+            size,
+            expected,
+            rounding,
+            least_noise,
+            ..
+        } = form.clone();
+        let bounces = bounces.map_or_else(String::new, |n| format!("bounces {n}"));
+        let settings = format!("Settings {{ samples {pattern} 1 {bounces} {settings} {} }}", method.settings);
         let exposure = Exposure { text: format!("{scene}\n{settings}\n"), files, size };
         let kind = Kind::Picture { exposure: Box::new(exposure), expected, rounding, least_noise };
         Trial { name, method: method.name, kind }

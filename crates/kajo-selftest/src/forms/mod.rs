@@ -42,7 +42,9 @@ pub struct Form {
     pub scene: String,
     /// Files that it names.
     pub files: Vec<(String, String)>,
-    /// Lines of its `Settings` that all methods share.
+    /// How often light may be scattered between surfaces; as often as it likes where absent.
+    pub bounces: Option<u32>,
+    /// Other lines of its `Settings` that all methods share.
     pub settings: String,
     /// The pattern of samples.
     pub pattern: &'static str,
@@ -65,6 +67,7 @@ impl Form {
             name: name.into(),
             scene,
             files: Vec::new(),
+            bounces: None,
             settings: String::new(),
             pattern: "sobol",
             size: [1, 1],
@@ -77,7 +80,7 @@ impl Form {
 
     /// With light that is scattered at most so often between surfaces.
     pub fn bounces(self, n: u32) -> Form {
-        Form { settings: format!("{} bounces {n}", self.settings), ..self }
+        Form { bounces: Some(n), ..self }
     }
 
     /// With more settings.
@@ -117,8 +120,10 @@ impl Form {
 
     /// The same by chains for each length, which are to be few: light that is scattered `bounces` times is all that there is.
     pub fn chained_by_length(&self, bounces: u32) -> Form {
-        let settings = format!("bounces {bounces}");
-        Form { settings, ..self.clone() }.by("chains of lengths", &[MMLT]).least_noise(STARTS)
+        let bounces = self.bounces.map_or(bounces, |own| own.min(bounces));
+        Form { bounces: Some(bounces), settings: String::new(), ..self.clone() }
+            .by("chains of lengths", &[MMLT])
+            .least_noise(STARTS)
     }
 
     /// The same by these methods.
