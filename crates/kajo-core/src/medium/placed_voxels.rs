@@ -1,5 +1,6 @@
 //! Numbers in the voxels of a file, at points of the world.
 
+use std::ops::{Add, Mul, Sub};
 use std::sync::Arc;
 
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Transform, Vec3};
@@ -77,37 +78,13 @@ impl<T: VoxelValue> PlacedVoxels<T> {
             }
         }
     }
-}
 
-impl PlacedVoxels<[f32; 3]> {
-    /// The three numbers at a world-space point, interpolated; outside of the box those of its nearest voxel.
-    pub(super) fn vector(&self, p: Vec3) -> Vec3 {
-        let mut vector = Vec3::ZERO;
-        self.around(p, |value: [f32; 3], weight| vector += weight * Vec3::from(value));
-        vector
-    }
-}
-
-impl PlacedVoxels {
-    /// The number at a world-space point, interpolated; `None` outside of the box of the voxels.
-    pub fn within(&self, p: Vec3) -> Option<f32> {
-        let p = self.transform.object_from_world.transform_point3(p);
-        self.extent().contains(p).then(|| self.interpolated(p))
-    }
-
-    /// The number of a voxel that is none, with its place from the corner of the box.
-    pub fn not_finite(&self) -> Option<([u32; 3], f32)> {
-        self.find(|value| !value.is_finite())
-    }
-
-    /// The number at a world-space point, interpolated; outside of the box that of its nearest voxel.
-    pub fn at(&self, p: Vec3) -> f32 {
-        self.interpolated(self.transform.object_from_world.transform_point3(p))
-    }
-
+    /// What lies between voxels at a point; outside of the box what is at the nearest point in it.
+    ///
     /// * `p`: in the space of the voxels
+    /// * `number`: what a voxel stands for
     #[inline]
-    fn interpolated(&self, p: Vec3) -> f32 {
+    fn interpolated<V: Interpolable>(&self, p: Vec3, number: impl Fn(T) -> V) -> V {
         let last = self.voxels.size().map(|n| n - 1);
         let p = (p - 0.5).clamp(Vec3::ZERO, Vec3::from(last.map(|n| n as f32)));
         let low = p.to_array().map(|x| x as u32);
@@ -117,18 +94,52 @@ impl PlacedVoxels {
         let low = [0, 1, 2].map(|axis| low[axis] + offset[axis]);
         if (0..3).all(|axis| low[axis] >> 3 == high[axis] >> 3) {
             return match self.voxels.block(low) {
-                Block::Constant(value) => value,
-                block => trilinear([low, high], f, |voxel| block.at(voxel)),
+                Block::Constant(value) => number(value),
+                block => trilinear([low, high], f, |voxel| number(block.at(voxel))),
             };
         }
-        trilinear([low, high], f, |voxel| self.voxels.block(voxel).at(voxel))
+        trilinear([low, high], f, |voxel| number(self.voxels.block(voxel).at(voxel)))
     }
 }
 
+impl PlacedVoxels<[f32; 3]> {
+    /// The three numbers at a world-space point, interpolated; outside of the box those of its nearest voxel.
+    pub(super) fn vector(&self, p: Vec3) -> Vec3 {
+        self.interpolated(self.transform.object_from_world.transform_point3(p), Vec3::from)
+    }
+}
+
+impl PlacedVoxels {
+    /// The number at a world-space point, interpolated; `None` outside of the box of the voxels.
+    pub fn within(&self, p: Vec3) -> Option<f32> {
+        let p = self.transform.object_from_world.transform_point3(p);
+        self.extent().contains(p).then(|| self.interpolated(p, |value| value))
+    }
+
+    /// The number of a voxel that is none, with its place from the corner of the box.
+    pub fn not_finite(&self) -> Option<([u32; 3], f32)> {
+        self.find(|value| !value.is_finite())
+    }
+
+    /// The number at a world-space point, interpolated; outside of the box that of its nearest voxel.
+    pub fn at(&self, p: Vec3) -> f32 {
+        self.interpolated(self.transform.object_from_world.transform_point3(p), |value| value)
+    }
+}
+
+/// What can be interpolated.
+pub(super) trait Interpolable:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self>
+{
+}
+
+impl Interpolable for f32 {}
+impl Interpolable for Vec3 {}
+
 /// Interpolates between the eight voxels of which two are opposite ones.
 #[inline]
-fn trilinear([low, high]: [[u32; 3]; 2], f: Vec3, value: impl Fn([u32; 3]) -> f32) -> f32 {
-    let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
+fn trilinear<V: Interpolable>([low, high]: [[u32; 3]; 2], f: Vec3, value: impl Fn([u32; 3]) -> V) -> V {
+    let mix = |a: V, b: V, t: f32| a + (b - a) * t;
     let row = |y: u32, z: u32| mix(value([low[0], y, z]), value([high[0], y, z]), f.x);
     let plane = |z: u32| mix(row(low[1], z), row(high[1], z), f.y);
     mix(plane(low[2]), plane(high[2]), f.z)
