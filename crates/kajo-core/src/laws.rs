@@ -107,7 +107,7 @@ fn nobody_is_left_out() {
 
 #[test]
 fn directions_follow_their_density() {
-    let n = if deep() { 100_000 } else { 20_000 };
+    let n = if deep() { 100_000 } else { 10_000 };
     let draws = draws();
     let tests = draws.len() as u32;
     let wrong = draws.iter().enumerate().filter_map(|(i, Draw { who, draw, pdf })| {

@@ -280,7 +280,7 @@ fn fog_without_absorption_leaves_an_emissive_room_as_bright_as_it_was() {
         "Medium fog { sigma_s 0.3 1 3  phaseColors on phaseTable 0 5 3 0  90 0.3 0.5 1  180 0.5 0.9 2 }",
         "FunctionMedium fog { function = 1 + x * y  sigma_s 3 2 1 }",
     ];
-    for medium in media.into_iter().enumerate() {
+    for medium in every(2, media.into_iter().enumerate()) {
         check_room_of(medium, 4e-3);
     }
 }
