@@ -96,8 +96,10 @@ pub trait PixelIntegrator: Sync {
     }
 
     /// Has it start from what renders of the same scene through other cameras left, and leave its own to those that follow: records
-    /// of irradiance. Of an integrator that has nothing of the kind nothing is kept.
-    fn keep_state(&mut self, _kept: &KeptState) {}
+    /// of irradiance. `false` of an integrator that has nothing of the kind.
+    fn keep_state(&mut self, _kept: &KeptState) -> bool {
+        false
+    }
 
     /// The integrator with the state of part `k` of the samples: a function of the scene, the seed and `k`, and of what is
     /// [kept](PixelIntegrator::keep_state).

@@ -152,7 +152,7 @@ fn in_words(adaptive: bool) -> &'static str {
 
 /// Which of its cameras takes a picture, by what it sees: the beginning of a digest of rays through places of the picture
 /// and of the lens, at moments while the shutter is open.
-fn camera_digest(camera: &Camera) -> String {
+pub(crate) fn camera_digest(camera: &Camera) -> String {
     let mut all = blake3::Hasher::new();
     for i in 0..64 {
         let stream = Stream::new(0, [i, 0], 0);

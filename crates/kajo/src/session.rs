@@ -64,7 +64,8 @@ pub struct Job {
     pub coarse_views: Vec<View>,
     /// Sides of the first picture are shorter by this factor, and of the next by half of it; 1 begins at full size.
     pub downscale: u32,
-    /// Whether it starts from the records of irradiance of the jobs before, where those had the same scene and settings.
+    /// Whether the whole picture starts from the records of irradiance of those before, where they had the same scene and settings; coarse ones
+    /// always do.
     pub keeps_state: bool,
 }
 

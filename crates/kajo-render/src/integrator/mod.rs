@@ -175,7 +175,9 @@ pub(crate) trait Integrator: Sync {
     }
 
     /// As [`PixelIntegrator::keep_state`].
-    fn keep_state(&mut self, _kept: &KeptState) {}
+    fn keep_state(&mut self, _kept: &KeptState) -> bool {
+        false
+    }
 
     /// As [`PixelIntegrator::with_state`], for those that have some.
     fn with_state<'a>(&'a self, _k: u32, _setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
@@ -209,8 +211,8 @@ impl<I: Integrator> PixelIntegrator for I {
         Integrator::noise_is_known(self)
     }
 
-    fn keep_state(&mut self, kept: &KeptState) {
-        Integrator::keep_state(self, kept);
+    fn keep_state(&mut self, kept: &KeptState) -> bool {
+        Integrator::keep_state(self, kept)
     }
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {

@@ -191,19 +191,23 @@ fn what_cannot_be_rendered_is_said() {
     assert!(matches!(session.wait(), Status::Finished));
 }
 
+/// A room that is lit by a cache of irradiance.
+fn cached_room(rays: u32) -> Arc<Scene> {
+    let text = format!(
+        "PerspectiveCamera {{ center 0 0 1.9 direction 0 -0.2 -1 up 0 1 0 angle 60 }}
+         Lights {{ PointLight {{ position 0 1.5 0  intensity 4 4 4 }} }}
+         Materials {{ Matte {{ color 0.6 0.5 0.4 }} }}
+         Group {{ MaterialIndex 0 Box {{ min -2 -2 -2 max 2 2 2 }} }}
+         Settings {{ integrator irradiance  rays {rays}  bounces 2 }}"
+    );
+    let loaded = load_from("a.txt", &MemoryAssets::new().with("a.txt", text), &LoadOptions::default());
+    Arc::new(loaded.scene.unwrap())
+}
+
 /// Where only the camera moved, a job starts from the records of the one before, if it is asked to; a job of another scene does not.
 #[test]
 fn records_are_kept_while_only_the_camera_moves() {
-    let scene = || {
-        let text = "PerspectiveCamera { center 0 0 1.9 direction 0 -0.2 -1 up 0 1 0 angle 60 }
-            Lights { PointLight { position 0 1.5 0  intensity 4 4 4 } }
-            Materials { Matte { color 0.6 0.5 0.4 } }
-            Group { MaterialIndex 0 Box { min -2 -2 -2 max 2 2 2 } }
-            Settings { integrator irradiance  rays 64  bounces 2 }";
-        let loaded = load_from("a.txt", &MemoryAssets::new().with("a.txt", text), &LoadOptions::default());
-        Arc::new(loaded.scene.unwrap())
-    };
-    let (room, other) = (scene(), scene());
+    let (room, other) = (cached_room(64), cached_room(64));
     let settings = settings(&room, [24, 24], (SamplerKind::Sobol, 1));
     let mut moved = CameraPose::of(&room);
     moved.orbit(Default::default(), 0.1, 0.0);
@@ -216,10 +220,32 @@ fn records_are_kept_while_only_the_camera_moves() {
         (frame.stats().rays.total(), frame.light().data().to_vec())
     };
     let fresh = rays(&room, true, None);
+    assert_eq!(rays(&room, true, None), fresh, "what nobody moved begins anew");
     let alone = rays(&room, false, Some(&moved));
+    let back = rays(&room, true, None);
+    assert!(3 * back.0 < fresh.0, "{} of {}", back.0, fresh.0);
     let kept = rays(&room, true, Some(&moved));
-    assert!(3 * kept.0 < fresh.0, "{} of {}", kept.0, fresh.0);
     assert!(3 * kept.0 < alone.0, "{} of {}", kept.0, alone.0);
     assert_eq!(rays(&room, false, Some(&moved)), alone);
     assert_eq!(rays(&other, true, Some(&moved)), alone);
+}
+
+/// Coarse pictures hand their records on, so that something is seen long before the cache of the whole picture is made; that is the one of
+/// any other program.
+#[test]
+fn a_picture_of_a_cache_is_coarse_first() {
+    let room = cached_room(4096);
+    let settings = settings(&room, [64, 48], (SamplerKind::Sobol, 1));
+    let (sender, wakes) = std::sync::mpsc::channel();
+    let session = Session::new(1, move || {
+        let _ = sender.send(());
+    });
+    session.start(Job { keeps_state: true, ..Job::new(Arc::clone(&room), settings) });
+    wakes.recv().unwrap();
+    let first = session.frame().unwrap();
+    assert!(first.size()[0] < 64 && first.samples() == 0, "{:?}", first.size());
+    assert!(matches!(session.wait(), Status::Finished));
+    let alone =
+        render(&RenderRequest::new(&room, &settings, &[(View::Color, Format::Exr)]), &Silent).unwrap();
+    assert_eq!(session.frame().unwrap().light().data(), alone.light().unwrap().data());
 }

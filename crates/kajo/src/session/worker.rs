@@ -17,6 +17,7 @@ use kajo_render::{
 };
 
 use super::{Frame, Job, Status};
+use crate::checkpoint::camera_digest;
 use crate::render::{BYTES_TO_ENCODE, check_memory, film_spec, integrator, schedule};
 use crate::{IntegratorSettings, KeptState, RenderError, RenderSettings, Resources, View};
 
@@ -93,7 +94,7 @@ impl Shared {
         let mut last: Option<KeptOfScene> = None;
         while let Some((number, job)) = self.next() {
             last = last.filter(|last| last.suit(&job));
-            let kept = job.keeps_state.then(|| &last.get_or_insert_with(|| KeptOfScene::new(&job)).state);
+            let kept = last.get_or_insert_with(|| KeptOfScene::new(&job)).seen_from(camera_of(&job));
             let run = Run { shared: self, number, start: Instant::now(), kept };
             let outcome = catch_unwind(AssertUnwindSafe(|| run.render(&job)));
             let outcome = outcome.unwrap_or_else(|panic| Err(RenderError::panicked(panic_message(&*panic))));
@@ -121,20 +122,46 @@ struct Run<'a> {
     shared: &'a Shared,
     number: u64,
     start: Instant,
-    kept: Option<&'a KeptState>,
+    kept: &'a KeptOfScene,
+}
+
+/// The camera of a job.
+fn camera_of(job: &Job) -> &Camera {
+    job.camera.as_ref().map_or(&job.scene.output.camera, |pose| pose.camera())
 }
 
 /// What jobs leave to those after them, and what it is of.
 struct KeptOfScene {
     scene: Arc<Scene>,
     settings: IntegratorSettings,
-    state: KeptState,
+    /// Of whole pictures through other cameras.
+    full: KeptState,
+    /// The last one, by what it sees.
+    camera: String,
+    /// Of the coarse ones before them, which no whole picture starts from: so the first is that of any other program.
+    coarse: KeptState,
 }
 
 impl KeptOfScene {
     fn new(job: &Job) -> KeptOfScene {
         let settings = job.settings.integrator_settings;
-        KeptOfScene { scene: Arc::clone(&job.scene), settings, state: KeptState::default() }
+        KeptOfScene {
+            scene: Arc::clone(&job.scene),
+            settings,
+            full: KeptState::default(),
+            camera: String::new(),
+            coarse: KeptState::default(),
+        }
+    }
+
+    /// The same for a picture through a camera: one through the same camera as the last begins anew, and has the bits of any other program.
+    fn seen_from(&mut self, camera: &Camera) -> &KeptOfScene {
+        let camera = camera_digest(camera);
+        if self.camera == camera {
+            self.full = KeptState::default();
+        }
+        self.camera = camera;
+        self
     }
 
     /// Whether it is good for a job: nothing but its camera may be another one.
@@ -152,15 +179,16 @@ enum Outcome {
 
 impl Run<'_> {
     fn render(&self, job: &Job) -> Result<Outcome, RenderError> {
-        let camera = job.camera.as_ref().map_or(&job.scene.output.camera, |pose| pose.camera());
+        let camera = camera_of(job);
         let layers = layers(&job.scene, &job.views, &job.settings);
         let resources = Resources { threads: self.shared.threads, ..Resources::default() };
         check_memory(&film_spec(camera, &job.settings, layers), BYTES_TO_ENCODE, &resources)?;
         let coarse_layers = self::layers(&job.scene, &job.coarse_views, &job.settings);
-        // State would be made for each of the smaller pictures.
-        let has_state =
-            integrator(&job.scene, camera, &job.settings, coarse_layers).samples_per_state().is_some();
-        for factor in downscales(if has_state { 1 } else { job.downscale }) {
+        // State would be made for each of the smaller pictures, unless they hand it on.
+        let mut first = integrator(&job.scene, camera, &job.settings, coarse_layers);
+        let is_coarse_first = first.samples_per_state().is_none() || first.keep_state(&self.kept.coarse);
+        drop(first);
+        for factor in downscales(if is_coarse_first { job.downscale } else { 1 }) {
             let began = Instant::now();
             let settings = coarse(&job.settings, camera, factor);
             if let Outcome::Cancelled = self.passes(job, camera, settings, coarse_layers, &resources, true)? {
@@ -186,8 +214,10 @@ impl Run<'_> {
         let spec = FilmSpec { halves: false, ..film_spec(camera, &settings, layers) };
         let film = Arc::new(Film::new(spec, u64::MAX).map_err(RenderError::Film)?);
         let mut integrator = integrator(&job.scene, camera, &settings, layers);
-        if let Some(kept) = self.kept {
-            integrator.keep_state(kept);
+        if is_coarse {
+            integrator.keep_state(&self.kept.coarse);
+        } else if job.keeps_state {
+            integrator.keep_state(&self.kept.full);
         }
         let schedule = schedule(&settings, resources);
         let goal = Goal { interval: Some(FRAME_INTERVAL), ..Goal::default() };

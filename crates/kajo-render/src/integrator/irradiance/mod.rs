@@ -154,8 +154,9 @@ impl Integrator for IrradianceCaching<'_> {
         self.paths.observe(ctx, pixel, raster, observer)
     }
 
-    fn keep_state(&mut self, kept: &KeptState) {
+    fn keep_state(&mut self, kept: &KeptState) -> bool {
         self.kept = Some(kept.clone());
+        true
     }
 
     fn samples_per_state(&self) -> Option<SamplesPerState> {
@@ -168,12 +169,13 @@ impl Integrator for IrradianceCaching<'_> {
             before.map_or_else(Vec::new, |before| before.records)
         });
         let before = kept.as_ref().map_or(0, Vec::len);
-        let (cache, rays) =
-            Builder::new(&self.view, &self.plain, self.settings, setup).build(kept.as_mut())?;
-        let mut notes = Vec::new();
+        let built = Builder::new(&self.view, &self.plain, self.settings, setup).build(kept.as_mut());
+        // What there is when somebody stops it is as good.
         if let Some((slot, records)) = self.kept.as_ref().zip(kept) {
             slot.put(KeptRecords { settings: self.settings, records });
         }
+        let (cache, rays) = built?;
+        let mut notes = Vec::new();
         if before > 0 {
             notes.push(format!("it starts from {before} records of irradiance of the pictures before"));
         }
