@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use kajo_core::camera::Camera;
@@ -132,7 +132,8 @@ fn camera_of(job: &Job) -> &Camera {
 
 /// What jobs leave to those after them, and what it is of.
 struct KeptOfScene {
-    scene: Arc<Scene>,
+    /// It may go when nobody else holds it.
+    scene: Weak<Scene>,
     settings: IntegratorSettings,
     /// Of whole pictures through other cameras.
     full: KeptState,
@@ -146,7 +147,7 @@ impl KeptOfScene {
     fn new(job: &Job) -> KeptOfScene {
         let settings = job.settings.integrator_settings;
         KeptOfScene {
-            scene: Arc::clone(&job.scene),
+            scene: Arc::downgrade(&job.scene),
             settings,
             full: KeptState::default(),
             camera: String::new(),
@@ -166,7 +167,7 @@ impl KeptOfScene {
 
     /// Whether it is good for a job: nothing but its camera may be another one.
     fn suit(&self, job: &Job) -> bool {
-        Arc::ptr_eq(&self.scene, &job.scene)
+        Weak::ptr_eq(&self.scene, &Arc::downgrade(&job.scene))
             && self.settings.values() == job.settings.integrator_settings.values()
     }
 }

@@ -17,12 +17,17 @@ use crate::medium::{
 };
 use crate::schema::{Block, Constant, FieldKind, Kind};
 
+/// The name of another grid of the same file.
+///
+/// * `excluded`: keys that it is an error beside
+const fn other_grid(keyword: &'static str, excluded: &'static [&'static str]) -> Typed<GridName> {
+    Typed::<GridName>::new(keyword, FieldKind::Text).only_beside("file").not_beside(excluded)
+}
+
 keys! {
     /// What other grids of the same file say: temperatures, velocities and colours.
     OtherGridKeys<'t> {
-        temperature: Option<At<'t, GridName>> = Typed::<GridName>::new("temperature", FieldKind::Text)
-            .only_beside("file")
-            .not_beside(&["emission", "values", "size"])
+        temperature: Option<At<'t, GridName>> = other_grid("temperature", &["emission", "values", "size"])
             .placed()
             .unlike("none", "temperature", "name of a grid in the same .vdb: it emits as a black body this hot"),
         temperature_scale: Option<f32> = number("temperatureScale")
@@ -37,18 +42,14 @@ keys! {
             .unit("W/(m³ sr)")
             .only_beside("temperature")
             .presumed(Constant::Number(1.0), "luminance per length that it gives at 2000 K"),
-        velocity: Option<At<'t, GridName>> = Typed::<GridName>::new("velocity", FieldKind::Text)
-            .only_beside("file")
-            .not_beside(&["values", "size"])
+        velocity: Option<At<'t, GridName>> = other_grid("velocity", &["values", "size"])
             .placed()
             .unlike("none", "vel", "name of a grid of velocities in the same .vdb, or of three: vel.x, vel.y and vel.z"),
         velocity_scale: Option<f32> = number("velocityScale")
             .unit("1/time")
             .only_beside("velocity")
             .presumed(Constant::Number(1.0), "units of the file that the number 1 goes in a unit of the shutter's time"),
-        albedo_grid: Option<At<'t, GridName>> = Typed::<GridName>::new("albedoGrid", FieldKind::Text)
-            .only_beside("file")
-            .not_beside(&["values", "size"])
+        albedo_grid: Option<At<'t, GridName>> = other_grid("albedoGrid", &["values", "size"])
             .placed()
             .unlike("none", "Cd", "name of a grid of colours in the same .vdb: shares of what is scattered, times `albedo`"),
     }

@@ -2,13 +2,18 @@
 //!
 //! In a medium a segment is drawn with the density of its direction, and with one for how far it goes. Paths are taken with the points of
 //! their null collisions [Miller, Georgiev and Jarosz 2019], so that all of these densities are known. Let `N` be the density of the null
-//! collisions of a segment if nothing else happened on it, and `q` the probability that none of them is a real one: the product of `1 - d/m`,
-//! with the density `d` and its majorant `m`. In a homogeneous medium, where nothing is drawn but the end, `N = 1` and `q = T`. Then
+//! collisions of a segment that is joined, by residual ratio tracking, and `q` that of a free path with the same ones over it,
+//!
+//! ```text
+//! q = exp(-sigma_t integral of c) (product over null collisions of (m - d)/(m - c))
+//! ```
+//!
+//! with the density `d` and its bounds `c` and `m`. In a homogeneous medium, where nothing is drawn but the end, `N = 1` and `q = T`. Then
 //!
 //! ```text
 //! drawn from either end, to a surface         N q
 //! drawn from either end, to a collision at y  N q sigma_t(y)       per volume
-//! joined, by ratio tracking                   N
+//! joined                                      N
 //! ```
 //!
 //! `q` is the same in both directions and `N` is common to all techniques that sample the path. So the weights of `partial_mis.rs` hold with

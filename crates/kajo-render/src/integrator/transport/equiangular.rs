@@ -20,14 +20,14 @@
 //! both of which are functions of the ray, the distance and the light alone, so that the two weights sum to one. Light
 //! that a collision's own direction meets has the weight of the collision.
 //!
-//! Where the density varies, `T` is not known. Ratio tracking to the point draws null collisions as free paths do, so that these are
-//! a part of what both draw [Miller, Georgiev and Jarosz 2019], and in the place of `sigma_t T` is
+//! Where the density varies, `T` is not known. Residual ratio tracking to the point draws null collisions that a free path may have too, so
+//! that these are a part of what both draw [Miller, Georgiev and Jarosz 2019], and in the place of `sigma_t T` is
 //!
 //! ```text
-//! q sigma_t(t),    q = product over null collisions of 1 - d/m
+//! q sigma_t(t),    q = exp(-sigma_t integral of c) (product over null collisions of (m - d)/(m - c))
 //! ```
 //!
-//! with the density `d` and the majorant `m` at each of them.
+//! with the density `d` and its bounds `c` and `m`.
 //!
 //! It is done where one medium is around, for lights so near to a ray that its points do not see them alike, or that reach a part of it alone.
 
