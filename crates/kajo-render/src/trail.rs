@@ -15,6 +15,7 @@ use kajo_math::{Ray, Vec3};
 
 use crate::RayCounters;
 use crate::context::{Interrupt, RAYS_PER_CHECK, SampleContext};
+use crate::integrator::PathState;
 
 /// Segments beyond which no more are kept.
 const MOST_SEGMENTS: usize = 100_000;
@@ -126,6 +127,10 @@ pub(crate) trait PathObserver: Default {
 
     /// A ray of this kind comes next.
     fn next(&mut self, _kind: RayKind) {}
+
+    /// The straight ray of a path, which is at its start, goes through what is around there for this length, if it comes to the next
+    /// surface.
+    fn traced(&mut self, _scene: &Scene, _path: &PathState<'_>, _extent: f32) {}
 
     /// Records the ray announced last with its end; it becomes the current ray, the parent of those that follow.
     fn ended(

@@ -107,7 +107,7 @@ pub struct RenderArgs {
     /// How lights are chosen: tree, uniform or learned
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(LightChoice::NAMES))]
     pub light_choice: Option<LightChoice>,
-    /// Paths: how lights behind smooth glass are found: scattering, or manifold to draw them as well
+    /// Paths, and chains of them: how lights behind smooth glass are found: scattering, or manifold to draw them as well
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Caustics::NAMES))]
     pub caustics: Option<Caustics>,
     /// Whether paths of little weight end at random

@@ -210,9 +210,9 @@ impl<'a> SampleStream<'a> {
         &self.stream
     }
 
-    /// The number of a dimension that is given, or one independent of all others.
+    /// The number of a dimension that is given, or one independent of all others, for callers that name their dimensions.
     #[inline]
-    fn independent(&self, d: u32) -> f32 {
+    pub fn independent(&self, d: u32) -> f32 {
         self.sampler.given.get(d as usize).copied().unwrap_or_else(|| self.stream.uniform(d))
     }
 

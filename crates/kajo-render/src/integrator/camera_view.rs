@@ -36,9 +36,9 @@ pub(super) struct CameraView<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RayFootprint {
     /// Where they start, in world units.
-    origin: f32,
+    pub origin: f32,
     /// For each unit of length along them.
-    direction: f32,
+    pub direction: f32,
 }
 
 impl RayFootprint {

@@ -138,7 +138,7 @@ fn caustics(scene: &Scene) -> f32 {
     let found = emission.emit(
         0,
         &Wavelengths::RGB,
-        PhotonRequest { map: Wanted::Caustic, caustics: false, in_media: None },
+        PhotonRequest { map: Wanted::Caustic, caustics: false, in_media: None, beams: false },
         &setup,
     );
     found.map_or(0.0, |batch| batch.photons.len() as f32 / LIGHT_PATHS as f32)

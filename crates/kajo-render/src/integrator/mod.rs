@@ -27,6 +27,8 @@ pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use choice::{AUTO, CHOICES, Choice, choose};
 pub use classic::{Classic, ClassicSettings};
 pub use irradiance::{IrradianceCaching, IrradianceSettings};
+pub(crate) use transport::PathState;
+
 pub use metropolis::{Metropolis, MetropolisSettings, MutatedSamples};
 pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};

@@ -62,6 +62,7 @@ use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext, SamplesPerState, Setup, SetupError, WithState};
 pub use guiding::GuidedPath;
 pub use relativistic::RelativisticPath;
+pub(super) use settings::WITHOUT_WALKS;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 pub(super) use tracer::{
     CameraPath, DiffuseVertex, GuidedDirection, Indirect, IndirectLight, PathTracer, Worth,
@@ -100,9 +101,23 @@ impl<'a> Path<'a> {
 }
 
 /// The path tracer with lights drawn that stand behind glass; see `tracer/caustics.rs`.
-struct ManifoldPath<'a> {
+pub struct ManifoldPath<'a> {
     path: Path<'a>,
     casters: Casters,
+}
+
+impl<'a> ManifoldPath<'a> {
+    /// The integrator through a camera of its own.
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: PathSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> ManifoldPath<'a> {
+        let path = Path::through(camera, scene, settings, size, layers);
+        ManifoldPath { path, casters: Casters::of(scene) }
+    }
 }
 
 impl Integrator for ManifoldPath<'_> {
@@ -127,8 +142,7 @@ fn integrator_of<'a>(
 ) -> Box<dyn crate::PixelIntegrator + 'a> {
     match scene.relativity.as_deref() {
         None if settings.walks_in(scene) => {
-            let path = Path::through(camera, scene, settings, size, layers);
-            Box::new(ManifoldPath { path, casters: Casters::of(scene) })
+            Box::new(ManifoldPath::through(camera, scene, settings, size, layers))
         }
         None if settings.is_guided() => Box::new(GuidedPath::through(camera, scene, settings, size, layers)),
         None => Box::new(Path::through(camera, scene, settings, size, layers)),

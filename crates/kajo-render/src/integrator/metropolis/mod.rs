@@ -38,8 +38,8 @@ use kajo_core::scene::Scene;
 use kajo_math::Vec2;
 
 use super::bidir::{Bidirectional, WithMedia};
-use super::path::Path;
-use super::{Integrator, bidir::BidirectionalSettings, path::PathSettings};
+use super::path::{ManifoldPath, Path};
+use super::{Integrator, bidir::BidirectionalSettings};
 use crate::trail::PathObserver;
 use crate::{Layer, LayerSet, PixelIntegrator, PixelSample, RayCounters, Rect, SampleContext};
 use crate::{SamplesPerState, Setup, SetupError, WithState};
@@ -70,6 +70,8 @@ pub struct Metropolis<'a> {
 /// The integrator whose samples are mutated.
 enum MutatedIntegrator<'a> {
     Path(Path<'a>),
+    /// The same with lights drawn that stand behind glass.
+    ManifoldPath(ManifoldPath<'a>),
     Bidirectional(Bidirectional<'a>),
     /// The same with participating media.
     ThroughMedia(Bidirectional<'a, WithMedia<'a>>),
@@ -107,8 +109,13 @@ impl<'a> Metropolis<'a> {
             &[Layer::Color, Layer::Albedo].map(|layer| if layers.has(layer) { layer } else { Layer::Color }),
         );
         let mutated = if let MutatedSamples::OfPaths = samples {
-            let path = PathSettings { bounces, light_choice, roulette, spectral, ..PathSettings::default() };
-            MutatedIntegrator::Path(Path::through(camera, scene, path, size, own))
+            let paths = settings.of_paths();
+            match paths.walks_in(scene) {
+                false => MutatedIntegrator::Path(Path::through(camera, scene, paths, size, own)),
+                true => {
+                    MutatedIntegrator::ManifoldPath(ManifoldPath::through(camera, scene, paths, size, own))
+                }
+            }
         } else {
             let both =
                 BidirectionalSettings { bounces, light_choice, roulette, spectral, only_from_lights: false };
@@ -127,6 +134,7 @@ impl<'a> Metropolis<'a> {
     fn integrator(&self) -> &dyn PixelIntegrator {
         match &self.mutated {
             MutatedIntegrator::Path(path) => path,
+            MutatedIntegrator::ManifoldPath(path) => path,
             MutatedIntegrator::Bidirectional(both) => both,
             MutatedIntegrator::ThroughMedia(both) => both,
         }
@@ -175,6 +183,7 @@ impl Integrator for Metropolis<'_> {
     ) -> PixelSample {
         match &self.mutated {
             MutatedIntegrator::Path(path) => path.observe(ctx, pixel, raster, observer),
+            MutatedIntegrator::ManifoldPath(path) => path.observe(ctx, pixel, raster, observer),
             MutatedIntegrator::Bidirectional(both) => both.observe(ctx, pixel, raster, observer),
             MutatedIntegrator::ThroughMedia(both) => both.observe(ctx, pixel, raster, observer),
         }

@@ -3,9 +3,10 @@
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
-use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
+use kajo_core::settings::{Caustics, IntegratorName, Settings, SettingsKey};
 
 use super::Metropolis;
+use crate::integrator::path::{PathSettings, WITHOUT_WALKS};
 use crate::integrator::{
     IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends, cut_off,
 };
@@ -24,6 +25,8 @@ pub struct MetropolisSettings {
     pub spectral: bool,
     /// What is mutated.
     pub samples: MutatedSamples,
+    /// How paths find lights behind glass, where samples are theirs.
+    pub caustics: Caustics,
 }
 
 /// The samples that Markov chains mutate.
@@ -48,6 +51,13 @@ impl MetropolisSettings {
             MutatedSamples::OfPaths | MutatedSamples::OfBothEnds => self.bounces,
         }
     }
+
+    /// Those of the paths whose samples are mutated.
+    pub(super) fn of_paths(&self) -> PathSettings {
+        let MetropolisSettings { light_choice, roulette, spectral, caustics, .. } = *self;
+        let bounces = self.bounces_followed();
+        PathSettings { bounces, light_choice, roulette, spectral, caustics, ..PathSettings::DEFAULT }
+    }
 }
 
 impl Default for MetropolisSettings {
@@ -58,6 +68,7 @@ impl Default for MetropolisSettings {
             roulette: true,
             spectral: false,
             samples: MutatedSamples::OfBothEnds,
+            caustics: Caustics::Scattering,
         }
     }
 }
@@ -69,14 +80,28 @@ pub const METROPOLIS: IntegratorSpec = IntegratorSpec {
     quantity: Quantity::Radiance,
     splats: true,
     samples: 64,
-    keys: &[SettingsKey::Bounces, SettingsKey::LightChoice, SettingsKey::Roulette, SettingsKey::Spectral],
-    settings: |context| said(context, MetropolisSettings::default()),
+    keys: &[
+        SettingsKey::Bounces,
+        SettingsKey::LightChoice,
+        SettingsKey::Caustics,
+        SettingsKey::Roulette,
+        SettingsKey::Spectral,
+    ],
+    settings: |context| {
+        let caustics = context.said.caustics.unwrap_or_default();
+        let walking = MetropolisSettings { caustics, ..MetropolisSettings::default() };
+        // Walks belong to paths from the camera, which meet no light twice: subpaths from lights find caustics in ways of their own.
+        let walks = walking.of_paths().walks_in(context.scene);
+        let samples = if walks { MutatedSamples::OfPaths } else { walking.samples };
+        said(context, MetropolisSettings { samples, ..walking })
+    },
 };
 
 /// Multiplexed Metropolis light transport.
 pub const MULTIPLEXED: IntegratorSpec = IntegratorSpec {
     name: IntegratorName("mmlt"),
     about: "the same with chains for each number of bounces, that choose how paths are joined",
+    keys: &[SettingsKey::Bounces, SettingsKey::LightChoice, SettingsKey::Roulette, SettingsKey::Spectral],
     settings: |context| {
         let samples = MutatedSamples::ByTechnique;
         said(context, MetropolisSettings { samples, ..MetropolisSettings::default() })
@@ -94,7 +119,7 @@ fn said(context: &SettingsContext<'_>, default: MetropolisSettings) -> Integrato
         light_choice: said.light_choice.unwrap_or(default.light_choice),
         roulette: said.roulette.unwrap_or(default.roulette),
         spectral: said.spectral.unwrap_or(default.spectral),
-        samples: default.samples,
+        ..default
     })
 }
 
@@ -115,6 +140,7 @@ impl Prepare for MetropolisSettings {
             light_choice: Some(self.light_choice),
             roulette: Some(self.roulette),
             spectral: Some(self.spectral),
+            caustics: Some(self.caustics),
             ..Settings::default()
         }
     }
@@ -124,6 +150,13 @@ impl Prepare for MetropolisSettings {
         let groups = groups.then_some("Markov chains do not tell groups of lights apart");
         let bounces = (self.bounces_followed() < self.bounces)
             .then_some("multiplexed Markov chains follow 200 bounces; `mlt` follows more");
-        groups.into_iter().chain(bounces).chain(cut_off(scene, self.bounces_followed())).collect()
+        let walks = self.caustics == Caustics::Manifold && !self.of_paths().walks_in(scene);
+        let walks = walks.then_some(WITHOUT_WALKS);
+        groups
+            .into_iter()
+            .chain(bounces)
+            .chain(walks)
+            .chain(cut_off(scene, self.bounces_followed()))
+            .collect()
     }
 }

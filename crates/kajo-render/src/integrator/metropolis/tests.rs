@@ -12,12 +12,14 @@ use super::MutatedSamples::{ByTechnique, OfBothEnds, OfPaths};
 use super::allotment::Moments;
 use super::chain::{acceptance, moved};
 use super::*;
+use crate::integrator::PathSettings;
 use crate::integrator::bidir::integrator_of;
 use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
 use crate::{
     Film, FilmSpec, LARGEST_R_HAT, Position, RenderSettings, Silent, Unit, render, render_work_unit,
 };
+use kajo_core::settings::Caustics;
 
 /// Chains that begin at fewer samples.
 struct Small<'a>(Metropolis<'a>);
@@ -260,6 +262,48 @@ fn chains_and_light_from_both_ends_agree_in_fog() {
             );
         }
     }
+}
+
+/// Lights that are drawn through glass and by way of mirrors, of a point that no other sample finds: each part of a floor beneath a slab and
+/// beside a mirror is as bright as paths find it, which follow no chain.
+#[test]
+fn chains_walk_on_manifolds() {
+    let scene = scene(&format!(
+        "{} Lights {{ PointLight {{ position 0.2 2.3 0  intensity 3 }} }}
+         Materials {{ Matte floor {{ color 0.5 0.5 0.5 }}  Glass glass {{ indexOfRefraction 1.5 }}  Metal mirror {{ metal silver }} }}
+         Group {{ MaterialIndex floor Quad {{ corner -3 0 -3 edge1 0 0 6 edge2 6 0 0 }}
+                  MaterialIndex glass Sphere {{ center 0 1.2 0 radius 0.5 }}
+                  MaterialIndex mirror Quad {{ corner 2 0 2 edge1 0 2 0 edge2 0 0 -4 }} }}",
+        camera([0.3, 2.5, 3.5], [0.5, 0.0, 0.0], 50.0)
+    ));
+    let settings = MetropolisSettings {
+        bounces: 3,
+        samples: OfPaths,
+        caustics: Caustics::Manifold,
+        ..MetropolisSettings::default()
+    };
+    let paths = ManifoldPath::through(
+        &scene.output.camera,
+        &scene,
+        settings.of_paths(),
+        SIZE,
+        LayerSet::of(&[Layer::Color]),
+    );
+    let expected = estimates(&paths, 8);
+    let walking = Small(Metropolis::new(&scene, settings, SIZE, LayerSet::of(&[Layer::Color])));
+    let found = estimates(&walking, 8);
+    let plain = MetropolisSettings { caustics: Caustics::Scattering, ..settings };
+    let without = Small(Metropolis::new(&scene, plain, SIZE, LayerSet::of(&[Layer::Color])));
+    let without = estimates(&without, 2);
+    for (region, (found, expected)) in found.iter().zip(&expected).enumerate() {
+        let sigma = found.standard_error.hypot(expected.standard_error);
+        assert!(
+            (found.mean - expected.mean).abs() < 4.5 * sigma && sigma < 0.08 * expected.mean,
+            "region {region}: {found:?} and {expected:?}"
+        );
+    }
+    assert!(without[4].mean < 0.9 * found[4].mean, "{without:?}");
+    assert_same_picture(&walking, SIZE, &schedule(6, 1, 1, 0), [20, 11]);
 }
 
 #[test]

@@ -144,7 +144,7 @@ pub const DISTRIBUTION: IntegratorSpec = IntegratorSpec {
 };
 
 /// What is said of walks where light bends or is scattered on its way.
-const WITHOUT_WALKS: &str = "`caustics manifold` has no effect in scenes with media, bodies that bend light, or speeds near that of light";
+pub const WITHOUT_WALKS: &str = "`caustics manifold` has no effect in scenes with media, bodies that bend light, or speeds near that of light";
 
 /// What is said of bodies that bend light in a scene with inertial frames.
 const WITHOUT_CURVES_AMONG_FRAMES: &str =
@@ -181,7 +181,7 @@ fn said(context: &SettingsContext<'_>, default: PathSettings) -> PathSettings {
 impl PathSettings {
     /// Whether lights are drawn in a scene that shine through glass or by way of mirrors: between these light has to go straight and
     /// unscattered.
-    pub(super) fn walks_in(&self, scene: &Scene) -> bool {
+    pub(in crate::integrator) fn walks_in(&self, scene: &Scene) -> bool {
         self.caustics == Caustics::Manifold && !lacks_segments(scene)
     }
 

@@ -1,4 +1,4 @@
-//! Light that photons bring to a whole ray through a medium: the beam radiance estimate [Jarosz, Zwicker and Jensen 2008].
+//! Light that photons, or beams of them, bring to a whole ray through a medium [Jarosz, Zwicker and Jensen 2008; Jarosz et al. 2011].
 //!
 //! What a homogeneous medium scatters into a ray from the camera on its way of the length `s`,
 //!
@@ -15,14 +15,33 @@
 //!
 //! A ball is blurred in three dimensions, the cylinder in two: of `N` paths its radius is `N^(-1/2)` of the scene's size, where that of a ball
 //! which holds as many photons is `N^(-1/3)`. And every sample of a pixel sees all photons along its ray, not those around one point of it.
+//!
+//! A photon is left where a collision happens to be; a beam stands for the whole ray of a path from a light, with the power `Φ_j` at its
+//! start. Where its line passes the ray at the distance `d < r`, at the lengths `t_j` along the ray and `u_j` along the beam, under the
+//! angle `θ_j`, it brings
+//!
+//! ```text
+//! L = 1/(2 r)  sum over the beams that pass  of  T(t_j) sigma_s p(wo, wi_j) T(u_j) Φ_j / sin θ_j        [Jarosz et al. 2011]
+//! ```
+//!
+//! blurred in one dimension only. That is worth it in thin media, where few photons are left and every ray passes many beams; in dense
+//! ones beams are short, and photons are many. With `n` photons and `m` beams in the volume `V`, `l` the mean free path, as far as light on beams
+//! reaches, a length of 1 of a ray has
+//!
+//! ```text
+//! n pi r^2 / V  photons within r,      m l 2 r (pi/4) / V  beams,  where beams of all directions are, whose mean sine is pi/4
+//! ```
+//!
+//! so that beams are taken where `l > 2 r n / m`.
 
 use std::f32::consts::PI;
 
 use kajo_color::Spectrum;
-use kajo_core::medium::PhaseAtWavelengths;
+use kajo_core::medium::{Coefficients, PhaseAtWavelengths};
 use kajo_core::scene::Scene;
 use kajo_core::space::Space;
 
+use super::beam_map::{BeamCrossing, PhotonBeam};
 use crate::integrator::photon_map::Photon;
 use crate::integrator::transport::{PathState, homogeneous_medium};
 
@@ -40,10 +59,7 @@ impl<'a, 's> QueryBeam<'a, 's> {
     /// The ray that a path is about to follow; `None` where no homogeneous medium that scatters is alone around it, and in bodies that light
     /// is scattered in many times, where no photons are kept.
     pub fn of(scene: &'a Scene, path: &PathState<'s>) -> Option<QueryBeam<'a, 's>> {
-        let coefficients = homogeneous_medium(scene, path).filter(|medium| !medium.is_subsurface())?;
-        if scene.space() == Space::Curved && path.media.curved(scene).is_some() {
-            return None;
-        }
+        let coefficients = straight_homogeneous_medium(scene, path)?;
         let sigma_s = coefficients.sigma_s(&path.wavelengths);
         let sigma_t = sigma_s + coefficients.sigma_a(&path.wavelengths);
         let loss = sigma_t + path.media.absorption().unwrap_or(Spectrum::BLACK);
@@ -61,4 +77,43 @@ impl<'a, 's> QueryBeam<'a, 's> {
         let scattered = (self.loss * -t).exp() * self.sigma_s * photon.power() * (phase.pdf / (PI * r * r));
         phase.colors.map_or(scattered, |colors| scattered * colors)
     }
+
+    /// What a beam of the power `Φ` at its start adds to that radiance: `T(t) sigma_s p T(u) Φ / (2 r sin θ)`.
+    ///
+    /// * `at`: where it passes
+    pub fn scattered_from(&self, beam: &PhotonBeam, at: &BeamCrossing) -> Spectrum {
+        let phase = self.phase.eval(-self.start.ray.d, -beam.d);
+        // [Jarosz et al. 2011]
+        let left = (self.loss * -(at.t + at.along)).exp();
+        let scattered = left * self.sigma_s * beam.power * (phase.pdf / (2.0 * at.r * at.sine));
+        phase.colors.map_or(scattered, |colors| scattered * colors)
+    }
+
+    /// The mean free path, by the mean over the wavelengths of what is lost.
+    pub fn mean_free_path(&self) -> f32 {
+        self.start.wavelengths.mean(self.loss).recip()
+    }
+}
+
+/// Optical depth beyond which nothing is left of a beam.
+const MOST_DEPTH: f32 = 16.0;
+
+/// How far a beam along the ray of a path goes, if one is kept of it.
+///
+/// * `extent`: length of the ray to the next surface
+pub fn reach_of_beam(scene: &Scene, path: &PathState<'_>, extent: f32) -> Option<f32> {
+    let coefficients = straight_homogeneous_medium(scene, path)?;
+    let sigma_s = coefficients.sigma_s(&path.wavelengths);
+    let sigma_t = sigma_s + coefficients.sigma_a(&path.wavelengths);
+    let of_lane = |i: usize| if sigma_s[i] > 0.0 { sigma_t[i] } else { f32::INFINITY };
+    let least = (0..4).map(of_lane).fold(f32::INFINITY, f32::min);
+    Some(extent.min(MOST_DEPTH / least)).filter(|length| length.is_finite())
+}
+
+/// The homogeneous medium that alone is around a path and scatters, where light goes straight; not the inside of bodies that light is
+/// scattered in many times.
+fn straight_homogeneous_medium<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<&'a Coefficients> {
+    let coefficients = homogeneous_medium(scene, path).filter(|medium| !medium.is_subsurface())?;
+    let is_straight = scene.space() != Space::Curved || path.media.curved(scene).is_none();
+    is_straight.then_some(coefficients)
 }

@@ -9,6 +9,8 @@
 //! `beta` has the scattering `sigma_s` per unit length in it, so that these photons are distributed by volume as
 //! radiance is, whatever the medium [Jensen and Christensen 1998].
 //!
+//! In homogeneous media its rays are kept too, as beams, of the first paths that leave so many as are wanted.
+//!
 //! The numbers of path `i` of map `k` are those of sample `i` of one pixel of a Sobol sequence, so that the photons of a map are spread
 //! evenly over lights, positions and directions.
 
@@ -20,6 +22,8 @@ use kajo_core::scene::Scene;
 use kajo_math::Vec3;
 use kajo_math::rng::mix;
 
+use super::beam::reach_of_beam;
+use super::beam_map::PhotonBeam;
 use crate::integrator::bidir::{
     NoMedia, Subpath, Vertex, Volume, WithMedia, is_endless, light_end, sample_emitted,
 };
@@ -35,6 +39,10 @@ const SALT: u64 = 0x7068_6F74_6F6E;
 
 /// Paths that one task follows.
 const PATHS_A_TASK: u32 = 4096;
+
+/// Beams that are kept of a map: those of its first paths. The spectrum of a prism in smoke has a third of the error in the same time that it
+/// has by photons; with four times as many two thirds.
+pub const MOST_BEAMS: usize = 1 << 11;
 
 /// What photons are wanted of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +64,8 @@ pub struct PhotonRequest {
     pub caustics: bool,
     /// Those in media, if any.
     pub in_media: Option<Wanted>,
+    /// Whether those in homogeneous media are wanted as beams, too.
+    pub beams: bool,
 }
 
 /// Sends photons out.
@@ -81,6 +91,10 @@ pub struct PhotonBatch {
     pub caustics: Vec<Photon>,
     /// Those in media.
     pub in_media: Vec<Photon>,
+    /// Beams in homogeneous media, of the power of all paths.
+    pub beams: Vec<PhotonBeam>,
+    /// The first paths, by which these were left.
+    pub beam_paths: u32,
     /// Rays that were cast.
     pub rays: RayCounters,
 }
@@ -126,12 +140,17 @@ impl PhotonBatch {
         append_tightly(&mut self.photons, next.photons);
         append_tightly(&mut self.caustics, next.caustics);
         append_tightly(&mut self.in_media, next.in_media);
+        if self.beams.len() < MOST_BEAMS {
+            append_tightly(&mut self.beams, next.beams);
+            self.beam_paths += next.beam_paths;
+        }
         self.rays += next.rays;
     }
 
     fn bytes(&self) -> u64 {
         let room = [&self.photons, &self.caustics, &self.in_media].map(Vec::capacity);
-        room.iter().sum::<usize>() as u64 * size_of::<Photon>() as u64
+        let photons = room.iter().sum::<usize>() * size_of::<Photon>();
+        (photons + self.beams.capacity() * size_of::<PhotonBeam>()) as u64
     }
 }
 
@@ -202,18 +221,18 @@ impl<'a> PhotonEmission<'a> {
         batch: &mut PhotonBatch,
     ) {
         let scene = self.scene;
-        let mut counting = Counting::new(&SampleContext::new(&self.sampler, 0));
+        let keeps_beams = wanted.beams && batch.beams.len() < MOST_BEAMS;
+        batch.beam_paths += u32::from(keeps_beams);
+        let mut observer = BeamKeeper::new(&self.sampler, wanted.in_media.filter(|_| keeps_beams));
         let Some((mut path, emitted)) = self.begin::<V>(map, i, wavelengths) else { return };
-        counting.counters().light += 1;
+        observer.counters().light += 1;
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
-        // Whether nothing but mirrors and glass was met, and whether anything stands between a vertex and the light.
-        let (mut is_clear, mut is_held_up) = (true, false);
         let mut stored = 0;
         while let Some((bsdf, collision)) =
-            path.next_from_light::<V>(scene, &emitted, &mut surface, &mut first, &mut counting)
+            path.next_from_light::<V>(scene, &emitted, &mut surface, &mut first, &mut observer)
         {
-            is_held_up |= !path.state.connectable;
-            let route = Route { is_held_up, is_caustic: is_clear && is_held_up };
+            observer.is_held_up |= !path.state.connectable;
+            let route = observer.route();
             let vertex = match &collision {
                 None => path.vertex::<V>(scene, &surface, bsdf, LightGroup::default()),
                 Some(at) => path.vertex_in_medium::<V>(scene, at, LightGroup::default()),
@@ -235,18 +254,19 @@ impl<'a> PhotonEmission<'a> {
             }
             let is_last = path.state.scatterings >= self.bounces;
             if is_last
-                || !path.scatter_at(&vertex, &surface, collision.as_ref(), self.roulette, &mut counting)
+                || !path.scatter_at(&vertex, &surface, collision.as_ref(), self.roulette, &mut observer)
             {
                 break;
             }
             // The light itself is one way to be found, but not from behind what scatters it.
-            is_held_up = true;
-            is_clear &= !path.state.connectable;
-            if wanted.map == Wanted::Caustic && !is_clear {
+            observer.is_held_up = true;
+            observer.is_clear &= !path.state.connectable;
+            if wanted.map == Wanted::Caustic && !observer.is_clear {
                 break;
             }
         }
-        batch.rays += counting.rays;
+        batch.rays += observer.counting.rays;
+        batch.beams.append(&mut observer.beams);
     }
 
     /// The beginning of path `i` of a map, and the light that it begins with; `None` where it has none.
@@ -291,4 +311,58 @@ impl<'a> PhotonEmission<'a> {
         let sigma_s = media.scattering(self.scene, vertex.at.p, ray.time, wavelengths);
         Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival }
     }
+}
+
+/// Counts the rays of a path, and keeps those through homogeneous media as beams.
+#[derive(Default)]
+struct BeamKeeper<'a> {
+    counting: Counting<'a>,
+    /// What beams are kept of, if any.
+    wanted: Option<Wanted>,
+    /// Whether anything stands between the last vertex and the light.
+    is_held_up: bool,
+    /// Whether nothing but mirrors and glass was met.
+    is_clear: bool,
+    beams: Vec<PhotonBeam>,
+}
+
+impl<'a> BeamKeeper<'a> {
+    fn new(sampler: &'a Sampler, wanted: Option<Wanted>) -> BeamKeeper<'a> {
+        let counting = Counting::new(&SampleContext::new(sampler, 0));
+        BeamKeeper { counting, wanted, is_clear: true, ..BeamKeeper::default() }
+    }
+
+    /// How light got to the last vertex, or to the one that the path goes to.
+    fn route(&self) -> Route {
+        Route { is_held_up: self.is_held_up, is_caustic: self.is_clear && self.is_held_up }
+    }
+}
+
+impl PathObserver for BeamKeeper<'_> {
+    type Mark = ();
+
+    fn counters(&mut self) -> &mut RayCounters {
+        self.counting.counters()
+    }
+
+    fn traced(&mut self, scene: &Scene, path: &PathState<'_>, extent: f32) {
+        let Some(wanted) = self.wanted else { return };
+        self.is_held_up |= !path.connectable;
+        if wanted.takes(self.route())
+            && let Some(length) = reach_of_beam(scene, path, extent)
+        {
+            self.beams.push(PhotonBeam {
+                o: path.ray.o,
+                d: path.ray.d,
+                length,
+                power: path.beta,
+                scatterings: path.scatterings,
+                secondary_terminated: path.wavelengths.secondary_terminated(),
+            });
+        }
+    }
+
+    fn mark(&self) {}
+
+    fn back_to(&mut self, _mark: ()) {}
 }

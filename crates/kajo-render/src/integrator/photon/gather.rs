@@ -22,7 +22,7 @@
 //!
 //! with the scattering `sigma_s` per unit length, which `beta` and `Φ_j` both have in them. Bodies in which light is
 //! scattered many times before it leaves are finer than any ball; through them paths go on. Along rays through
-//! homogeneous media progressive photon mapping sums all photons near the ray instead; see `beam.rs`.
+//! homogeneous media progressive photon mapping sums all photons near the ray instead, or all beams; see `beam.rs`.
 //!
 //! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid
 //! angle, with the power heuristic; light of one kind is taken either from a map or from these.
@@ -42,7 +42,8 @@ use kajo_core::settings::PhotonMapUse;
 use kajo_math::{Ray, Vec3};
 
 use super::beam::QueryBeam;
-use super::{Maps, NEIGHBOURS, Photons, Radius};
+use super::beam_map::CrossingScratch;
+use super::{InMedia, Maps, NEIGHBOURS, Photons, Radius};
 use crate::integrator::bidir::{SegmentShare, Subpath, Vertex, Volume, shade_one_way};
 use crate::integrator::camera_view::RayFootprint;
 use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
@@ -69,13 +70,20 @@ pub struct Gatherer<'a, O> {
     /// The albedo of the first surface that is no mirror.
     pub albedo: Option<Spectrum>,
     /// Scratch memory of searches.
-    pub scratch: NearestScratch,
+    pub scratch: GatherScratch,
     /// Whether photons were taken all along the last ray.
     on_beam: bool,
     /// That ray, where light was drawn for a point along it.
     along: Option<EquiangularRay>,
     /// Whether the path goes on for the light that media emit alone.
     for_media: bool,
+}
+
+/// Scratch memory of searches for photons and for beams.
+#[derive(Default)]
+pub struct GatherScratch {
+    nearest: NearestScratch,
+    crossings: CrossingScratch,
 }
 
 /// The last vertex that is not specular.
@@ -113,7 +121,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         photons: &'a Photons<'a>,
         observer: &'a mut O,
         footprint: RayFootprint,
-        scratch: NearestScratch,
+        scratch: GatherScratch,
     ) -> Self {
         Gatherer {
             photons,
@@ -202,7 +210,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         &mut self,
         state: &mut PathState<'_>,
         surface: &mut SurfaceInteraction,
-        map: &PhotonMap,
+        maps: &InMedia,
         radius: &Radius,
         mut length: f32,
     ) -> Event<'a> {
@@ -213,7 +221,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             let event = extend(scene, state, surface, self.observer);
             (self.on_beam, self.along) = (beam.is_some(), None);
             if let Some(beam) = beam.filter(|_| !matches!(event, Event::Absorbed)) {
-                self.add_beam(&beam, state.extent, map, radius, length);
+                self.add_beam(&beam, state.extent, maps, radius, length);
                 self.add_direct_light_along(&beam.start, state);
             }
             if !matches!(event, Event::Surface) {
@@ -242,7 +250,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
     }
 
-    /// The photons of a cylinder around a ray: `beta / (pi r^2) sum T sigma_s p Φ / sigma_s(x_j)` [Jarosz et al. 2008, eq. 13].
+    /// The photons of a cylinder around a ray: `beta / (pi r^2) sum T sigma_s p Φ / sigma_s(x_j)` [Jarosz et al. 2008, eq. 13]; or the beams that
+    /// pass it, `beta / (2 r) sum T sigma_s p T Φ / sin θ` [Jarosz et al. 2011].
     ///
     /// * `extent`: length of the ray to the next surface
     /// * `length`: of the path before
@@ -250,7 +259,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         &mut self,
         beam: &QueryBeam<'_, '_>,
         extent: f32,
-        map: &PhotonMap,
+        maps: &InMedia,
         radius: &Radius,
         length: f32,
     ) {
@@ -259,12 +268,24 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let r_at = |t: f32| radius.disk.at(footprint.at((length + t).min(f32::MAX)));
         let ray = Ray { t_min: 0.0, t_max: extent, ..beam.start.ray };
         let mut sums = Sums::new(self.photons.settings.bounces.saturating_sub(beam.start.scatterings));
-        map.along(&ray, r_at(extent), |photon, t, d2| {
-            let r = r_at(t);
-            if d2 <= r * r && photon.is_within(sums.most_scatterings) {
-                sums.take(photon, beam.scattered(photon, t, r));
-            }
+        let beams = maps.beams.as_ref().filter(|beams| {
+            let mean_free_path = beam.mean_free_path();
+            let r = beams.radius_at(ray.o + mean_free_path.min(extent) * ray.d);
+            mean_free_path > 2.0 * r * maps.photons_per_beam
         });
+        match beams {
+            Some(beams) => beams.along(&ray, &mut self.scratch.crossings, |of, at| {
+                if of.scatterings <= sums.most_scatterings {
+                    sums.take(of.secondary_terminated, beam.scattered_from(of, at));
+                }
+            }),
+            None => maps.photons.along(&ray, r_at(extent), |photon, t, d2| {
+                let r = r_at(t);
+                if d2 <= r * r && photon.is_within(sums.most_scatterings) {
+                    sums.take(photon.secondary_terminated(), beam.scattered(photon, t, r));
+                }
+            }),
+        }
         self.add_sums(beam.start.beta, &beam.start.wavelengths, &sums, 1.0);
     }
 
@@ -353,7 +374,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             // All photons along the ray were added.
             Maps::Progressive { .. } if self.on_beam => {}
             Maps::Progressive { in_media, radius, .. } => {
-                self.add_ball(&path.state, &z, in_media, radius.ball.at(self.footprint.at(length)));
+                self.add_ball(&path.state, &z, &in_media.photons, radius.ball.at(self.footprint.at(length)));
             }
             // All dots along the ray were added.
             Maps::Fixed { usage: PhotonMapUse::Dots, .. } => {}
@@ -417,8 +438,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             return;
         }
         let mut sums = Sums::new(self.most_scatterings(state));
-        let density =
-            map.nearest(&gather_point(z), NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
+        let density = map
+            .nearest(&gather_point(z), NEIGHBOURS, &mut self.scratch.nearest, |photon| sums.add(z, photon));
         self.add_sums(state.beta, &state.wavelengths, &sums, density);
     }
 
@@ -481,7 +502,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let mut sums = Sums::new(self.most_scatterings(state));
         let density =
-            map.nearest_in_ball(z.at.p, NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
+            map.nearest_in_ball(z.at.p, NEIGHBOURS, &mut self.scratch.nearest, |photon| sums.add(z, photon));
         self.add_sums(state.beta, &state.wavelengths, &sums, density);
     }
 
@@ -631,11 +652,11 @@ impl Sums {
         if cosine <= 0.0 {
             return;
         }
-        self.take(photon, z.gathered(wi) * photon.power() * cosine.recip());
+        self.take(photon.secondary_terminated(), z.gathered(wi) * photon.power() * cosine.recip());
     }
 
-    /// Adds the light that a photon brings.
-    fn take(&mut self, photon: &Photon, light: Spectrum) {
-        *(if photon.secondary_terminated() { &mut self.single } else { &mut self.all }) += light;
+    /// Adds the light that a photon or a beam brings.
+    fn take(&mut self, secondary_terminated: bool, light: Spectrum) {
+        *(if secondary_terminated { &mut self.single } else { &mut self.all }) += light;
     }
 }

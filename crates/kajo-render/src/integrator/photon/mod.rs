@@ -41,9 +41,10 @@
 //! [Jensen and Christensen 1998], whose volume shrinks as the area of the disks does. Paths from the camera end at
 //! their first collision, and all but direct light comes from the photons there. Where the medium is homogeneous
 //! progressive photon mapping takes the photons all along a ray, whether or not it collides [Jarosz, Zwicker and Jensen
-//! 2008].
+//! 2008], or the beams that pass it [Jarosz et al. 2011].
 
 mod beam;
+mod beam_map;
 pub(super) mod emission;
 mod gather;
 mod settings;
@@ -52,21 +53,23 @@ use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
 use kajo_core::camera::Camera;
 use kajo_core::light::BoundingSphere;
+use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_core::settings::PhotonMapUse;
-use kajo_math::{Vec2, fmath};
+use kajo_math::{Vec2, Vec3, fmath};
 
 use super::Integrator;
 use super::bidir::{NoMedia, Subpath, WithMedia};
 use super::camera_view::{CameraView, in_white_light};
 use super::path::{Path, PathSettings};
-use super::photon_map::{NearestScratch, PhotonMap};
+use super::photon_map::PhotonMap;
 use super::transport::{LaneMis, PathState};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{SamplesPerState, Setup, SetupError, WithState};
-use emission::{PhotonEmission, PhotonRequest, Wanted};
-use gather::Gatherer;
+use beam_map::{BeamMap, SearchRadius};
+use emission::{PhotonBatch, PhotonEmission, PhotonRequest, Wanted};
+use gather::{GatherScratch, Gatherer};
 pub use settings::{PHOTON, PhotonSettings, SPPM};
 
 /// Photons of a density estimate of fixed maps.
@@ -104,7 +107,16 @@ enum Maps {
     /// The nearest photons: all, and those of caustics.
     Fixed { usage: PhotonMapUse, all: PhotonMap, caustics: PhotonMap, in_media: PhotonMap },
     /// Those in a disk or a ball.
-    Progressive { indirect: PhotonMap, in_media: PhotonMap, radius: Radius },
+    Progressive { indirect: PhotonMap, in_media: InMedia, radius: Radius },
+}
+
+/// What media hold of the light of a pass.
+struct InMedia {
+    photons: PhotonMap,
+    /// The same light on its way through homogeneous media, if there is any.
+    beams: Option<BeamMap>,
+    /// How many photons are left for each beam that is kept.
+    photons_per_beam: f32,
 }
 
 /// The radii of the disks and balls of a pass.
@@ -198,13 +210,11 @@ impl<'a> PhotonMapping<'a> {
             Some(PhotonMapUse::Caustics) => [Wanted::Caustic; 2],
         };
         let caustics = usage == Some(PhotonMapUse::Gather);
-        let wanted = PhotonRequest { map, caustics, in_media: Some(in_media) };
+        let beams = usage.is_none();
+        let wanted = PhotonRequest { map, caustics, in_media: Some(in_media), beams };
         let has_light = emission.has_light();
-        let batch = if has_light {
-            emission.emit(k, wavelengths, wanted, setup)?
-        } else {
-            emission::PhotonBatch::default()
-        };
+        let batch =
+            if has_light { emission.emit(k, wavelengths, wanted, setup)? } else { PhotonBatch::default() };
         let mut notes = Vec::new();
         if !has_light && k == 0 {
             notes.push("there is no light in the scene that photons could leave".to_owned());
@@ -218,13 +228,10 @@ impl<'a> PhotonMapping<'a> {
                     .to_owned(),
             );
         }
+        let rays = batch.rays;
         let map = |photons| PhotonMap::new(photons, setup.threads);
         let maps = match usage {
-            None => {
-                let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
-                let radius = Radius::of_pass(k, photons, &world);
-                Maps::Progressive { indirect: map(batch.photons), in_media: map(batch.in_media), radius }
-            }
+            None => self.progressive(k, batch, setup.threads),
             Some(usage) => {
                 let [all, caustics] = match usage {
                     PhotonMapUse::Caustics => [Vec::new(), batch.photons],
@@ -235,7 +242,31 @@ impl<'a> PhotonMapping<'a> {
                 Maps::Fixed { usage, all, caustics, in_media }
             }
         };
-        Ok((maps, batch.rays, notes))
+        Ok((maps, rays, notes))
+    }
+
+    /// The radii of searches for beams, by the pixels in the middle of the picture.
+    fn search_radius(&self, of_pass: RadiusOfPass) -> SearchRadius {
+        let sampler = Sampler::new(SamplerKind::Uniform, 1);
+        let mut draws = SampleStream::new(&sampler, 0, [0, 0], 0);
+        let (start, raster) = (draws, Vec2::from(self.view.size.map(|n| 0.5 * n as f32)));
+        let ray = self.view.ray(raster, &mut draws);
+        let footprint = ray.and_then(|ray| self.view.footprint(&ray, raster, start)).unwrap_or_default();
+        SearchRadius { center: ray.map_or(Vec3::ZERO, |ray| ray.o), footprint, of_pass }
+    }
+
+    /// The maps of pass `k`.
+    fn progressive(&self, k: u32, batch: PhotonBatch, threads: usize) -> Maps {
+        let PhotonBatch { photons, in_media, beams, beam_paths, .. } = batch;
+        let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
+        let radius = Radius::of_pass(k, self.settings.photons, &world);
+        let photons_per_beam = in_media.len() as f32 / beams.len().max(1) as f32;
+        let searches = self.view.size.map(u64::from).into_iter().product();
+        let beams = (!beams.is_empty()).then(|| {
+            BeamMap::new(beams, beam_paths, self.search_radius(radius.disk), 2.0 * world.radius, searches)
+        });
+        let in_media = InMedia { photons: PhotonMap::new(in_media, threads), beams, photons_per_beam };
+        Maps::Progressive { indirect: PhotonMap::new(photons, threads), in_media, radius }
     }
 }
 
@@ -285,7 +316,7 @@ impl Integrator for Photons<'_> {
         let mut state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         observer.counters().camera += 1;
         let footprint = view.footprint(&ray, raster, start).unwrap_or_default();
-        let scratch = std::mem::take(ctx.scratch.get::<NearestScratch>());
+        let scratch = std::mem::take(ctx.scratch.get::<GatherScratch>());
         let mut gatherer = Gatherer::new(self, observer, footprint, scratch);
         if view.scene.has_media() {
             let u = state.draws.next_1d();
@@ -295,7 +326,7 @@ impl Integrator for Photons<'_> {
             gatherer.run::<NoMedia>(Subpath::from_camera(PathState { connectable: true, ..state }));
         }
         let Gatherer { radiance, first, begins_in_medium, albedo, scratch, .. } = gatherer;
-        *ctx.scratch.get::<NearestScratch>() = scratch;
+        *ctx.scratch.get::<GatherScratch>() = scratch;
         if view.wants_albedo() {
             ctx.aux.albedo = in_white_light(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
         }

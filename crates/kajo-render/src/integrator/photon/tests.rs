@@ -157,7 +157,7 @@ fn the_power_of_lights_is_kept() {
         .emit(
             0,
             &Wavelengths::RGB,
-            PhotonRequest { map: Wanted::All, caustics: true, in_media: None },
+            PhotonRequest { map: Wanted::All, caustics: true, in_media: None, beams: false },
             &setup(3),
         )
         .unwrap();
@@ -311,10 +311,66 @@ fn a_small_light_in_fog_is_as_bright_as_paths_find_it() {
     let scene = scene(&text);
     let path = PathSettings { bounces: 20, ..PathSettings::default() };
     let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 2048);
-    let found = mean(&scene, PhotonSettings { bounces: 20, ..with(None, 8_000) }, 192);
+    let found = mean(&scene, PhotonSettings { bounces: 20, ..with(None, 8_000) }, 96);
     let sigma = found.standard_error.hypot(expected.standard_error) / expected.mean;
     let error = (found.mean / expected.mean - 1.0).abs();
     assert!(error < 4.0 * sigma + 3e-3 && sigma < 0.025, "{found:?} instead of {expected:?}");
+}
+
+/// Light from above in smoke in clear glass, seen from the side, by beams: what is scattered once is neither blurred nor noisy, in dense
+/// smoke, in thin smoke, and in one that has another colour.
+#[test]
+fn beams_behind_glass_are_as_bright_as_single_scattering() {
+    let media = [
+        ("sigma_s 1", 1.0, 1.0),
+        ("sigma_s 0.02 0.05 0", 0.02, 1.0),
+        ("sigma_s 0.6 0 4  sigma_a 0.2", 0.8, 0.75),
+    ];
+    for (medium, sigma_t, albedo) in every(2, media) {
+        let y = 0.4;
+        let text = format!(
+            "{} Media {{ Medium m {{ {medium} }} }} Materials {{ Glass glass {{ indexOfRefraction 1.0001 medium m }} }}
+             Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance 1 }} }}
+             Group {{ MaterialIndex glass Box {{ min -1 -1 -1 max 1 1 1 }} }}",
+            camera([0.0, y, 5.0], [0.0, y, 0.0], 0.01),
+        );
+        let (deep, wide): (f64, f64) = (sigma_t * (1.0 - f64::from(y)), sigma_t * 2.0);
+        let expected = albedo * (-deep).exp() * (1.0 - (-wide).exp()) / (4.0 * PI);
+        let found = mean(&scene(&text), PhotonSettings { bounces: 2, ..with(None, 64_000) }, 8);
+        let error = (found.mean / expected - 1.0).abs();
+        assert!(
+            error < 4.0 * found.standard_error / expected + 1e-3 && found.standard_error < 8e-3 * expected,
+            "{medium}: {found:?} instead of {expected}"
+        );
+    }
+}
+
+/// In thin media light is taken from beams, in dense ones from photons, and of beams no more are kept than there is use for.
+#[test]
+fn beams_are_kept_of_the_first_paths() {
+    let emitted = |medium: &str, paths: u32| {
+        let scene = scene(&format!(
+            "{} Media {{ Medium m {{ {medium} }} exterior m }} Materials {{ Matte wall {{ color 0.5 0.5 0.5 }} }}
+             Lights {{ PointLight {{ position 0 0.5 0  intensity 1 }} }}
+             Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }} }}",
+            camera([0.0, 0.0, 1.0], [0.0, 0.0, 0.0], 30.0)
+        ));
+        let wanted =
+            PhotonRequest { map: Wanted::All, caustics: false, in_media: Some(Wanted::All), beams: true };
+        PhotonEmission::new(&scene, paths, 8, false).emit(0, &Wavelengths::RGB, wanted, &setup(3)).unwrap()
+    };
+    let few = emitted("sigma_s 0.1", 200);
+    assert_eq!(few.beam_paths, 200);
+    // Each path ends after eight scatterings, with one ray before each and one behind the last, which leaves no photon.
+    assert!(few.beams.len() >= 200 * 8 && few.in_media.len() < few.beams.len() / 2);
+    let many = emitted("sigma_s 0.1", 20_000);
+    assert!(many.beam_paths > 200 && many.beam_paths < 270, "{}", many.beam_paths);
+    assert!(many.beams.len() >= emission::MOST_BEAMS && many.beams.len() < emission::MOST_BEAMS + 9);
+    // The beams of the same paths are the same ones.
+    assert_eq!(
+        few.beams[..1500].iter().map(|beam| beam.o).collect::<Vec<_>>(),
+        many.beams[..1500].iter().map(|beam| beam.o).collect::<Vec<_>>()
+    );
 }
 
 /// A room of fog with a ball of glass and a denser cloud, in which an emitter is large enough for paths to meet it.

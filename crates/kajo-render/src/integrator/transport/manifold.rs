@@ -42,7 +42,6 @@ use kajo_core::light::LightPoint;
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::shading::Shading;
-use kajo_math::rng::Stream;
 use kajo_math::{Frame, Ray, Vec2, Vec3};
 
 use super::{Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, advance, follow, shade};
@@ -310,20 +309,20 @@ impl<'a, 's> ManifoldWalk<'a, 's> {
     /// unbiased estimate of one over the probability that such a walk does so, but for chains of less than a hundredth.
     ///
     /// * `known`: those of [`ManifoldWalk::by_caster`]
-    /// * `random`: taken for nothing else
+    /// * `random`: taken for nothing else; the walk takes its first three numbers, so that chains of mutated numbers keep what it finds
     pub fn by_chance(
         &mut self,
         end: &LightPoint,
         wi: Vec3,
         caster: &Caster,
         known: &[Option<SpecularChain>],
-        random: &Stream,
+        random: &SampleStream<'_>,
     ) -> Option<(SpecularChain, f32)> {
         let goal = self.goal(end, wi);
         let p = self.start.point.p;
         let (_, reach) = seeds(caster, p, wi);
         let mut trial = |i: u32| {
-            let u = Vec3::from_array([0, 1, 2].map(|axis| random.uniform(3 * i + axis)));
+            let u = Vec3::from_array([0, 1, 2].map(|axis| random.independent(3 * i + axis)));
             let d = (caster.center + caster.half * (2.0 * u - 1.0) - p).normalize_or_zero();
             let (traced, via) = self.trace_any(d, caster, &goal)?;
             self.walk(traced, via, caster, reach, &goal)

@@ -77,9 +77,10 @@ pub fn extend<'a>(
     }
     let at = &mut surface.at;
     let hits = scene.trace_into(None, &path.ray, at);
+    let extent = if hits { at.hit.t } else { f32::INFINITY };
+    observer.traced(scene, path, extent);
     if path.carries_media
-        && let Some(collision) =
-            sample_collision(scene, path, if hits { at.hit.t } else { f32::INFINITY }, observer)
+        && let Some(collision) = sample_collision(scene, path, extent, observer)
     {
         return Event::Medium(collision);
     }

@@ -221,7 +221,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let chains = walk.by_caster(&end.at, end.wi, &caster);
         let by_chance = drawn.li.is_delta.then(|| {
             let random = state.draws.split(WALKS_BY_CHANCE, 0, 1);
-            walk.by_chance(&end.at, end.wi, &caster, &chains, random.stream())
+            walk.by_chance(&end.at, end.wi, &caster, &chains, &random)
         });
         *self.observer.counters() += walk.rays();
         let certain = chains.iter().flatten().map(|chain| (*chain, 1.0));
