@@ -138,7 +138,7 @@ fn caustics(scene: &Scene) -> f32 {
     let found = emission.emit(
         0,
         &Wavelengths::RGB,
-        PhotonRequest { map: Wanted::Caustic, caustics: false, in_media: None, beams: false },
+        PhotonRequest { map: Wanted::Caustic, caustics: false, in_media: None, beams: None },
         &setup,
     );
     found.map_or(0.0, |batch| batch.photons.len() as f32 / LIGHT_PATHS as f32)

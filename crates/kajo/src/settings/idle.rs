@@ -91,7 +91,7 @@ mod tests {
                 "path direct distribution bidirectional irradiance light photon sppm mlt mmlt vcm",
             ),
             ("spectral on", "path direct distribution bidirectional light sppm mlt mmlt vcm"),
-            ("caustics manifold", "path"),
+            ("caustics manifold", "path mlt"),
             (
                 "lightChoice uniform",
                 "path direct distribution bidirectional irradiance photon sppm mlt mmlt vcm",

@@ -25,8 +25,8 @@
 //! ```
 //!
 //! blurred in one dimension only. That is worth it in thin media, where few photons are left and every ray passes many beams; in dense
-//! ones beams are short, and photons are many. With `n` photons and `m` beams in the volume `V`, `l` the mean free path, as far as light on beams
-//! reaches, a length of 1 of a ray has
+//! ones beams are short, and photons are many. With `n` photons and `m` beams in the volume `V`, and the mean free path `l`, which is how far
+//! light on beams reaches, a length of 1 of a ray has
 //!
 //! ```text
 //! n pi r^2 / V  photons within r,      m l 2 r (pi/4) / V  beams,  where beams of all directions are, whose mean sine is pi/4
@@ -45,26 +45,58 @@ use super::beam_map::{BeamCrossing, PhotonBeam};
 use crate::integrator::photon_map::Photon;
 use crate::integrator::transport::{PathState, homogeneous_medium};
 
-/// A ray through a homogeneous medium.
-pub struct QueryBeam<'a, 's> {
-    /// The path at its start.
-    pub start: PathState<'s>,
-    phase: PhaseAtWavelengths<'a>,
+/// Optical depth beyond which nothing is left of a beam.
+const MOST_DEPTH: f32 = 16.0;
+
+/// A straight ray through a homogeneous medium that scatters and is alone around it.
+#[derive(Clone, Copy)]
+pub struct HomogeneousRay<'a> {
+    coefficients: &'a Coefficients,
     sigma_s: Spectrum,
     /// What is lost on the way, per unit length: to the medium, and to the body that it fills.
     loss: Spectrum,
+    /// By the mean over the wavelengths of what is lost.
+    pub mean_free_path: f32,
 }
 
-impl<'a, 's> QueryBeam<'a, 's> {
-    /// The ray that a path is about to follow; `None` where no homogeneous medium that scatters is alone around it, and in bodies that light
-    /// is scattered in many times, where no photons are kept.
-    pub fn of(scene: &'a Scene, path: &PathState<'s>) -> Option<QueryBeam<'a, 's>> {
-        let coefficients = straight_homogeneous_medium(scene, path)?;
+impl<'a> HomogeneousRay<'a> {
+    /// The ray that a path is about to follow, or has followed to a collision; `None` where it is no such ray, and in bodies that light is
+    /// scattered in many times, where no photons are kept.
+    pub fn of(scene: &'a Scene, path: &PathState<'_>) -> Option<HomogeneousRay<'a>> {
+        let coefficients = homogeneous_medium(scene, path).filter(|medium| !medium.is_subsurface())?;
+        if scene.space() == Space::Curved && path.media.curved(scene).is_some() {
+            return None;
+        }
         let sigma_s = coefficients.sigma_s(&path.wavelengths);
         let sigma_t = sigma_s + coefficients.sigma_a(&path.wavelengths);
         let loss = sigma_t + path.media.absorption().unwrap_or(Spectrum::BLACK);
-        let phase = coefficients.phase().at(&path.wavelengths);
-        Some(QueryBeam { start: *path, phase, sigma_s, loss })
+        let mean_free_path = path.wavelengths.mean(loss).recip();
+        Some(HomogeneousRay { coefficients, sigma_s, loss, mean_free_path })
+    }
+
+    /// How far light goes that will be scattered, finite.
+    ///
+    /// * `extent`: length to the next surface
+    pub fn reach(&self, extent: f32) -> f32 {
+        let of_lane = |i: usize| if self.sigma_s[i] > 0.0 { self.loss[i] } else { f32::INFINITY };
+        let least = (0..4).map(of_lane).fold(f32::INFINITY, f32::min);
+        extent.min(MOST_DEPTH / least).min(f32::MAX)
+    }
+}
+
+/// A ray of a path from the camera, to be compared with photons and beams.
+pub struct QueryBeam<'a, 's> {
+    /// The path at its start.
+    pub start: PathState<'s>,
+    pub ray: HomogeneousRay<'a>,
+    phase: PhaseAtWavelengths<'a>,
+}
+
+impl<'a, 's> QueryBeam<'a, 's> {
+    /// The ray that a path is about to follow; `None` where photons are not looked for all along it.
+    pub fn of(scene: &'a Scene, path: &PathState<'s>) -> Option<QueryBeam<'a, 's>> {
+        let ray = HomogeneousRay::of(scene, path)?;
+        Some(QueryBeam { start: *path, ray, phase: ray.coefficients.phase().at(&path.wavelengths) })
     }
 
     /// What a photon of the power `Φ` adds to the radiance at the start of the ray: `T sigma_s p Φ / (pi r^2)`.
@@ -74,7 +106,8 @@ impl<'a, 's> QueryBeam<'a, 's> {
     pub fn scattered(&self, photon: &Photon, t: f32, r: f32) -> Spectrum {
         let phase = self.phase.eval(-self.start.ray.d, photon.wi());
         // [Jarosz et al. 2008, eq. 13]
-        let scattered = (self.loss * -t).exp() * self.sigma_s * photon.power() * (phase.pdf / (PI * r * r));
+        let scattered =
+            (self.ray.loss * -t).exp() * self.ray.sigma_s * photon.power() * (phase.pdf / (PI * r * r));
         phase.colors.map_or(scattered, |colors| scattered * colors)
     }
 
@@ -84,36 +117,8 @@ impl<'a, 's> QueryBeam<'a, 's> {
     pub fn scattered_from(&self, beam: &PhotonBeam, at: &BeamCrossing) -> Spectrum {
         let phase = self.phase.eval(-self.start.ray.d, -beam.d);
         // [Jarosz et al. 2011]
-        let left = (self.loss * -(at.t + at.along)).exp();
-        let scattered = left * self.sigma_s * beam.power * (phase.pdf / (2.0 * at.r * at.sine));
+        let left = (self.ray.loss * -(at.t + at.along)).exp();
+        let scattered = left * self.ray.sigma_s * beam.power * (phase.pdf / (2.0 * at.r * at.sine));
         phase.colors.map_or(scattered, |colors| scattered * colors)
     }
-
-    /// The mean free path, by the mean over the wavelengths of what is lost.
-    pub fn mean_free_path(&self) -> f32 {
-        self.start.wavelengths.mean(self.loss).recip()
-    }
-}
-
-/// Optical depth beyond which nothing is left of a beam.
-const MOST_DEPTH: f32 = 16.0;
-
-/// How far a beam along the ray of a path goes, if one is kept of it.
-///
-/// * `extent`: length of the ray to the next surface
-pub fn reach_of_beam(scene: &Scene, path: &PathState<'_>, extent: f32) -> Option<f32> {
-    let coefficients = straight_homogeneous_medium(scene, path)?;
-    let sigma_s = coefficients.sigma_s(&path.wavelengths);
-    let sigma_t = sigma_s + coefficients.sigma_a(&path.wavelengths);
-    let of_lane = |i: usize| if sigma_s[i] > 0.0 { sigma_t[i] } else { f32::INFINITY };
-    let least = (0..4).map(of_lane).fold(f32::INFINITY, f32::min);
-    Some(extent.min(MOST_DEPTH / least)).filter(|length| length.is_finite())
-}
-
-/// The homogeneous medium that alone is around a path and scatters, where light goes straight; not the inside of bodies that light is
-/// scattered in many times.
-fn straight_homogeneous_medium<'a>(scene: &'a Scene, path: &PathState<'_>) -> Option<&'a Coefficients> {
-    let coefficients = homogeneous_medium(scene, path).filter(|medium| !medium.is_subsurface())?;
-    let is_straight = scene.space() != Space::Curved || path.media.curved(scene).is_none();
-    is_straight.then_some(coefficients)
 }

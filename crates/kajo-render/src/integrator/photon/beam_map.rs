@@ -16,6 +16,9 @@ use crate::integrator::camera_view::RayFootprint;
 /// Spans for each search: as many as take about as long to build a tree of as they spare a search.
 const SPANS_PER_SEARCH: f32 = 8.0;
 
+/// Spans within the scene at most, about: some 40 MB.
+const MOST_SPANS: f32 = (1 << 19) as f32;
+
 /// Length of a span, in radii of a search: boxes of shorter ones are not much smaller.
 const SPAN: f32 = 8.0;
 
@@ -105,7 +108,7 @@ impl BeamMap {
     ) -> BeamMap {
         beams.iter_mut().for_each(|beam| beam.power *= (paths as f32).recip());
         let in_scene = beams.iter().map(|beam| beam.length.min(size)).sum::<f32>();
-        let shortest = in_scene / (SPANS_PER_SEARCH * searches as f32);
+        let shortest = in_scene / (SPANS_PER_SEARCH * searches as f32).min(MOST_SPANS);
         let (mut spans, mut boxes) = (Vec::new(), Vec::new());
         for (i, beam) in beams.iter().enumerate() {
             let mut from = 0.0;

@@ -22,7 +22,7 @@ use kajo_core::scene::Scene;
 use kajo_math::Vec3;
 use kajo_math::rng::mix;
 
-use super::beam::reach_of_beam;
+use super::beam::HomogeneousRay;
 use super::beam_map::PhotonBeam;
 use crate::integrator::bidir::{
     NoMedia, Subpath, Vertex, Volume, WithMedia, is_endless, light_end, sample_emitted,
@@ -45,9 +45,10 @@ const PATHS_A_TASK: u32 = 4096;
 pub const MOST_BEAMS: usize = 1 << 11;
 
 /// What photons are wanted of a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wanted {
     /// All.
+    #[default]
     All,
     /// Those of light that no connection with a light finds.
     Indirect,
@@ -56,7 +57,7 @@ pub enum Wanted {
 }
 
 /// Which photons are wanted of the paths of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PhotonRequest {
     /// Those of the map.
     pub map: Wanted,
@@ -64,8 +65,8 @@ pub struct PhotonRequest {
     pub caustics: bool,
     /// Those in media, if any.
     pub in_media: Option<Wanted>,
-    /// Whether those in homogeneous media are wanted as beams, too.
-    pub beams: bool,
+    /// The shortest mean free path of homogeneous media whose photons are wanted as beams, too.
+    pub beams: Option<f32>,
 }
 
 /// Sends photons out.
@@ -95,6 +96,8 @@ pub struct PhotonBatch {
     pub beams: Vec<PhotonBeam>,
     /// The first paths, by which these were left.
     pub beam_paths: u32,
+    /// How many photons all paths left in the same media.
+    pub photons_beside_beams: u64,
     /// Rays that were cast.
     pub rays: RayCounters,
 }
@@ -140,6 +143,7 @@ impl PhotonBatch {
         append_tightly(&mut self.photons, next.photons);
         append_tightly(&mut self.caustics, next.caustics);
         append_tightly(&mut self.in_media, next.in_media);
+        self.photons_beside_beams += next.photons_beside_beams;
         if self.beams.len() < MOST_BEAMS {
             append_tightly(&mut self.beams, next.beams);
             self.beam_paths += next.beam_paths;
@@ -221,9 +225,8 @@ impl<'a> PhotonEmission<'a> {
         batch: &mut PhotonBatch,
     ) {
         let scene = self.scene;
-        let keeps_beams = wanted.beams && batch.beams.len() < MOST_BEAMS;
-        batch.beam_paths += u32::from(keeps_beams);
-        let mut observer = BeamKeeper::new(&self.sampler, wanted.in_media.filter(|_| keeps_beams));
+        let mut observer = BeamKeeper::new(&self.sampler, wanted, batch.beams.len() < MOST_BEAMS);
+        batch.beam_paths += u32::from(observer.keeps_beams);
         let Some((mut path, emitted)) = self.begin::<V>(map, i, wavelengths) else { return };
         observer.counters().light += 1;
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
@@ -247,6 +250,8 @@ impl<'a> PhotonEmission<'a> {
                     if wanted.in_media.is_some_and(|wanted| wanted.takes(route)) {
                         let arrival = self.arrival_in_medium(&path, &vertex);
                         batch.in_media.push(Photon::new(&arrival, dither(i, stored)));
+                        batch.photons_beside_beams +=
+                            u64::from(observer.wants_beam(scene, &path.state).is_some());
                     }
                     stored += 1;
                 }
@@ -317,8 +322,9 @@ impl<'a> PhotonEmission<'a> {
 #[derive(Default)]
 struct BeamKeeper<'a> {
     counting: Counting<'a>,
-    /// What beams are kept of, if any.
-    wanted: Option<Wanted>,
+    /// What is kept, and whether beams are among it.
+    wanted: PhotonRequest,
+    keeps_beams: bool,
     /// Whether anything stands between the last vertex and the light.
     is_held_up: bool,
     /// Whether nothing but mirrors and glass was met.
@@ -327,9 +333,17 @@ struct BeamKeeper<'a> {
 }
 
 impl<'a> BeamKeeper<'a> {
-    fn new(sampler: &'a Sampler, wanted: Option<Wanted>) -> BeamKeeper<'a> {
+    /// * `has_room`: whether more beams are wanted
+    fn new(sampler: &'a Sampler, wanted: PhotonRequest, has_room: bool) -> BeamKeeper<'a> {
         let counting = Counting::new(&SampleContext::new(sampler, 0));
-        BeamKeeper { counting, wanted, is_clear: true, ..BeamKeeper::default() }
+        let keeps_beams = has_room && wanted.beams.is_some();
+        BeamKeeper { counting, wanted, keeps_beams, is_clear: true, ..BeamKeeper::default() }
+    }
+
+    /// The ray of a path, if it is one of those that may be kept as beams.
+    fn wants_beam<'v>(&self, scene: &'v Scene, path: &PathState<'_>) -> Option<HomogeneousRay<'v>> {
+        let shortest = self.wanted.beams?;
+        HomogeneousRay::of(scene, path).filter(|ray| ray.mean_free_path >= shortest)
     }
 
     /// How light got to the last vertex, or to the one that the path goes to.
@@ -346,15 +360,17 @@ impl PathObserver for BeamKeeper<'_> {
     }
 
     fn traced(&mut self, scene: &Scene, path: &PathState<'_>, extent: f32) {
-        let Some(wanted) = self.wanted else { return };
+        if !self.keeps_beams {
+            return;
+        }
         self.is_held_up |= !path.connectable;
-        if wanted.takes(self.route())
-            && let Some(length) = reach_of_beam(scene, path, extent)
+        if self.wanted.in_media.is_some_and(|wanted| wanted.takes(self.route()))
+            && let Some(ray) = self.wants_beam(scene, path)
         {
             self.beams.push(PhotonBeam {
                 o: path.ray.o,
                 d: path.ray.d,
-                length,
+                length: ray.reach(extent),
                 power: path.beta,
                 scatterings: path.scatterings,
                 secondary_terminated: path.wavelengths.secondary_terminated(),

@@ -269,7 +269,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let ray = Ray { t_min: 0.0, t_max: extent, ..beam.start.ray };
         let mut sums = Sums::new(self.photons.settings.bounces.saturating_sub(beam.start.scatterings));
         let beams = maps.beams.as_ref().filter(|beams| {
-            let mean_free_path = beam.mean_free_path();
+            let mean_free_path = beam.ray.mean_free_path;
             let r = beams.radius_at(ray.o + mean_free_path.min(extent) * ray.d);
             mean_free_path > 2.0 * r * maps.photons_per_beam
         });

@@ -115,7 +115,7 @@ struct InMedia {
     photons: PhotonMap,
     /// The same light on its way through homogeneous media, if there is any.
     beams: Option<BeamMap>,
-    /// How many photons are left for each beam that is kept.
+    /// How many photons were left beside each beam that is kept.
     photons_per_beam: f32,
 }
 
@@ -164,6 +164,11 @@ impl RadiusOfPass {
         let [least, most] = self.bounds;
         self.share * (FIRST_RADIUS * pixel).clamp(least, most)
     }
+
+    /// The one of the smallest pixels.
+    fn least(&self) -> f32 {
+        self.at(0.0)
+    }
 }
 
 impl<'a> PhotonMapping<'a> {
@@ -210,7 +215,8 @@ impl<'a> PhotonMapping<'a> {
             Some(PhotonMapUse::Caustics) => [Wanted::Caustic; 2],
         };
         let caustics = usage == Some(PhotonMapUse::Gather);
-        let beams = usage.is_none();
+        // Where light does not even reach across the smallest disk, photons are as good.
+        let beams = usage.is_none().then(|| self.radius(k).disk.least());
         let wanted = PhotonRequest { map, caustics, in_media: Some(in_media), beams };
         let has_light = emission.has_light();
         let batch =
@@ -245,6 +251,16 @@ impl<'a> PhotonMapping<'a> {
         Ok((maps, rays, notes))
     }
 
+    /// The sphere around the scene.
+    fn world(&self) -> BoundingSphere {
+        BoundingSphere::around(&self.view.scene.geometry.bounds())
+    }
+
+    /// The radii of pass `k`.
+    fn radius(&self, k: u32) -> Radius {
+        Radius::of_pass(k, self.settings.photons, &self.world())
+    }
+
     /// The radii of searches for beams, by the pixels in the middle of the picture.
     fn search_radius(&self, of_pass: RadiusOfPass) -> SearchRadius {
         let sampler = Sampler::new(SamplerKind::Uniform, 1);
@@ -257,10 +273,9 @@ impl<'a> PhotonMapping<'a> {
 
     /// The maps of pass `k`.
     fn progressive(&self, k: u32, batch: PhotonBatch, threads: usize) -> Maps {
-        let PhotonBatch { photons, in_media, beams, beam_paths, .. } = batch;
-        let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
-        let radius = Radius::of_pass(k, self.settings.photons, &world);
-        let photons_per_beam = in_media.len() as f32 / beams.len().max(1) as f32;
+        let PhotonBatch { photons, in_media, beams, beam_paths, photons_beside_beams, .. } = batch;
+        let (radius, world) = (self.radius(k), self.world());
+        let photons_per_beam = photons_beside_beams as f32 / beams.len().max(1) as f32;
         let searches = self.view.size.map(u64::from).into_iter().product();
         let beams = (!beams.is_empty()).then(|| {
             BeamMap::new(beams, beam_paths, self.search_radius(radius.disk), 2.0 * world.radius, searches)

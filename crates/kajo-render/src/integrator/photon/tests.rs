@@ -157,7 +157,7 @@ fn the_power_of_lights_is_kept() {
         .emit(
             0,
             &Wavelengths::RGB,
-            PhotonRequest { map: Wanted::All, caustics: true, in_media: None, beams: false },
+            PhotonRequest { map: Wanted::All, caustics: true, in_media: None, beams: None },
             &setup(3),
         )
         .unwrap();
@@ -345,7 +345,7 @@ fn beams_behind_glass_are_as_bright_as_single_scattering() {
     }
 }
 
-/// In thin media light is taken from beams, in dense ones from photons, and of beams no more are kept than there is use for.
+/// Beams are kept in media that are thin enough, of the first paths alone, and no more than there is use for.
 #[test]
 fn beams_are_kept_of_the_first_paths() {
     let emitted = |medium: &str, paths: u32| {
@@ -355,8 +355,12 @@ fn beams_are_kept_of_the_first_paths() {
              Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }} }}",
             camera([0.0, 0.0, 1.0], [0.0, 0.0, 0.0], 30.0)
         ));
-        let wanted =
-            PhotonRequest { map: Wanted::All, caustics: false, in_media: Some(Wanted::All), beams: true };
+        let wanted = PhotonRequest {
+            map: Wanted::All,
+            caustics: false,
+            in_media: Some(Wanted::All),
+            beams: Some(1.0),
+        };
         PhotonEmission::new(&scene, paths, 8, false).emit(0, &Wavelengths::RGB, wanted, &setup(3)).unwrap()
     };
     let few = emitted("sigma_s 0.1", 200);
@@ -366,6 +370,9 @@ fn beams_are_kept_of_the_first_paths() {
     let many = emitted("sigma_s 0.1", 20_000);
     assert!(many.beam_paths > 200 && many.beam_paths < 270, "{}", many.beam_paths);
     assert!(many.beams.len() >= emission::MOST_BEAMS && many.beams.len() < emission::MOST_BEAMS + 9);
+    assert_eq!(many.photons_beside_beams, many.in_media.len() as u64);
+    let dense = emitted("sigma_s 2", 500);
+    assert!(dense.beams.is_empty() && dense.photons_beside_beams == 0 && !dense.in_media.is_empty());
     // The beams of the same paths are the same ones.
     assert_eq!(
         few.beams[..1500].iter().map(|beam| beam.o).collect::<Vec<_>>(),

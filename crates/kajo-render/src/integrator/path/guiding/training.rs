@@ -188,7 +188,7 @@ impl<'t, 'a> Training<'t, 'a> {
             return Ok((None, RayCounters::default()));
         }
         let setup = Setup { seed: mix(self.setup.seed ^ SALT), ..*self.setup };
-        let wanted = PhotonRequest { map: Wanted::Indirect, caustics: false, in_media: None, beams: false };
+        let wanted = PhotonRequest { map: Wanted::Indirect, caustics: false, in_media: None, beams: None };
         let batch = emission.emit(0, &view.wavelengths_at(0.5), wanted, &setup)?;
         let sum: f64 = batch.photons.iter().map(|photon| sum_of(photon.power())).sum();
         let photons = Photons { unit: sum / batch.photons.len() as f64, photons: batch.photons };
