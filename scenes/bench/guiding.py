@@ -17,7 +17,7 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 GALLERY = HERE.parent / "gallery"
-SCENES = [GALLERY / f"{name}.txt" for name in "ajar gap keyhole marble_hall cornell lights materials drinks clear_sky".split()]
+SCENES = [GALLERY / f"{name}.txt" for name in ["ajar", "gap", "keyhole", "marble_hall", "cornell", "lights", "materials", "drinks", "clear_sky"]]
 
 
 def render(options, scene, guiding, samples, seed, training=None):
