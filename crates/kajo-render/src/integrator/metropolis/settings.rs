@@ -25,7 +25,7 @@ pub struct MetropolisSettings {
     pub spectral: bool,
     /// What is mutated.
     pub samples: MutatedSamples,
-    /// How paths find lights behind glass, where samples are theirs.
+    /// How lights behind glass are found; heeded where the samples are [`MutatedSamples::OfPaths`].
     pub caustics: Caustics,
 }
 
@@ -90,7 +90,7 @@ pub const METROPOLIS: IntegratorSpec = IntegratorSpec {
     settings: |context| {
         let caustics = context.said.caustics.unwrap_or_default();
         let walking = MetropolisSettings { caustics, ..MetropolisSettings::default() };
-        // Walks belong to paths from the camera, which meet no light twice: subpaths from lights find caustics in ways of their own.
+        // Paths from the camera alone draw lights through glass.
         let walks = walking.of_paths().walks_in(context.scene);
         let samples = if walks { MutatedSamples::OfPaths } else { walking.samples };
         said(context, MetropolisSettings { samples, ..walking })

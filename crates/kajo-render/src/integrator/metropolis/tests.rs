@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_core::settings::Caustics;
 use kajo_math::rng::Stream;
 use kajo_scene::MemoryAssets;
 use kajo_testkit::{Estimate, every, is_deep, p_of_equal_means};
@@ -12,14 +13,13 @@ use super::MutatedSamples::{ByTechnique, OfBothEnds, OfPaths};
 use super::allotment::Moments;
 use super::chain::{acceptance, moved};
 use super::*;
-use crate::integrator::PathSettings;
 use crate::integrator::bidir::integrator_of;
 use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
+use crate::integrator::{PathSettings, Prepare};
 use crate::{
     Film, FilmSpec, LARGEST_R_HAT, Position, RenderSettings, Silent, Unit, render, render_work_unit,
 };
-use kajo_core::settings::Caustics;
 
 /// Chains that begin at fewer samples.
 struct Small<'a>(Metropolis<'a>);
@@ -264,8 +264,8 @@ fn chains_and_light_from_both_ends_agree_in_fog() {
     }
 }
 
-/// Lights that are drawn through glass and by way of mirrors, of a point that no other sample finds: each part of a floor beneath a slab and
-/// beside a mirror is as bright as paths find it, which follow no chain.
+/// The caustic of a point below a ball of glass and beside a mirror, which is on no path of scattering alone: each part of the floor is as bright
+/// as independent samples of the same paths find it.
 #[test]
 fn chains_walk_on_manifolds() {
     let scene = scene(&format!(
@@ -303,6 +303,9 @@ fn chains_walk_on_manifolds() {
         );
     }
     assert!(without[4].mean < 0.9 * found[4].mean, "{without:?}");
+    assert_eq!(settings.left_out(&scene, SIZE), Vec::<&str>::new());
+    let fog = scene_with("Media { Medium air { sigma_s 0.1 } exterior air }", &MemoryAssets::new());
+    assert!(settings.left_out(&fog, SIZE).iter().any(|note| note.contains("caustics manifold")));
     assert_same_picture(&walking, SIZE, &schedule(6, 1, 1, 0), [20, 11]);
 }
 

@@ -32,7 +32,8 @@
 //! n pi r^2 / V  photons within r,      m l 2 r (pi/4) / V  beams,  where beams of all directions are, whose mean sine is pi/4
 //! ```
 //!
-//! so that beams are taken where `l > 2 r n / m`.
+//! so that beams are taken where `l > 2 r n / m`. Of beams that are all but parallel to a ray few pass it, each of a large weight, and of
+//! parallel ones none: light of these directions is taken from photons.
 
 use std::f32::consts::PI;
 
@@ -44,6 +45,9 @@ use kajo_core::space::Space;
 use super::beam_map::{BeamCrossing, PhotonBeam};
 use crate::integrator::photon_map::Photon;
 use crate::integrator::transport::{PathState, homogeneous_medium};
+
+/// Sine of the angle between a ray and light that photons bring to it in place of beams: the weight of a beam is at most ten times the least.
+pub const LEAST_SINE: f32 = 0.1;
 
 /// Optical depth beyond which nothing is left of a beam.
 const MOST_DEPTH: f32 = 16.0;

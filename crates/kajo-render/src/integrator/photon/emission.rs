@@ -40,8 +40,7 @@ const SALT: u64 = 0x7068_6F74_6F6E;
 /// Paths that one task follows.
 const PATHS_A_TASK: u32 = 4096;
 
-/// Beams that are kept of a map: those of its first paths. The spectrum of a prism in smoke has a third of the error in the same time that it
-/// has by photons; with four times as many two thirds.
+/// Beams that are kept of a map: those of its first paths. More of them take longer and leave the noise of surfaces.
 pub const MOST_BEAMS: usize = 1 << 11;
 
 /// What photons are wanted of a path.

@@ -41,7 +41,7 @@ use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
 use kajo_math::{Ray, Vec3};
 
-use super::beam::QueryBeam;
+use super::beam::{LEAST_SINE, QueryBeam};
 use super::beam_map::CrossingScratch;
 use super::{InMedia, Maps, NEIGHBOURS, Photons, Radius};
 use crate::integrator::bidir::{SegmentShare, Subpath, Vertex, Volume, shade_one_way};
@@ -251,7 +251,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// The photons of a cylinder around a ray: `beta / (pi r^2) sum T sigma_s p Φ / sigma_s(x_j)` [Jarosz et al. 2008, eq. 13]; or the beams that
-    /// pass it, `beta / (2 r) sum T sigma_s p T Φ / sin θ` [Jarosz et al. 2011].
+    /// pass it, `beta / (2 r) sum T sigma_s p T Φ / sin θ` [Jarosz et al. 2011], and the photons of those that are all but parallel to it.
     ///
     /// * `extent`: length of the ray to the next surface
     /// * `length`: of the path before
@@ -273,19 +273,20 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             let r = beams.radius_at(ray.o + mean_free_path.min(extent) * ray.d);
             mean_free_path > 2.0 * r * maps.photons_per_beam
         });
-        match beams {
-            Some(beams) => beams.along(&ray, &mut self.scratch.crossings, |of, at| {
-                if of.scatterings <= sums.most_scatterings {
+        if let Some(beams) = beams {
+            beams.along(&ray, &mut self.scratch.crossings, |of, at| {
+                if at.sine >= LEAST_SINE && of.scatterings <= sums.most_scatterings {
                     sums.take(of.secondary_terminated, beam.scattered_from(of, at));
                 }
-            }),
-            None => maps.photons.along(&ray, r_at(extent), |photon, t, d2| {
-                let r = r_at(t);
-                if d2 <= r * r && photon.is_within(sums.most_scatterings) {
-                    sums.take(photon.secondary_terminated(), beam.scattered(photon, t, r));
-                }
-            }),
+            });
         }
+        maps.photons.along(&ray, r_at(extent), |photon, t, d2| {
+            let r = r_at(t);
+            let is_meant = beams.is_none() || ray.d.cross(photon.wi()).length() < LEAST_SINE;
+            if is_meant && d2 <= r * r && photon.is_within(sums.most_scatterings) {
+                sums.take(photon.secondary_terminated(), beam.scattered(photon, t, r));
+            }
+        });
         self.add_sums(beam.start.beta, &beam.start.wavelengths, &sums, 1.0);
     }
 
