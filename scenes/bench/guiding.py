@@ -52,7 +52,7 @@ def main():
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--runs", type=int, default=4)
     parser.add_argument("--reference", type=int, default=8192)
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     print("| scene | guided | s | plain, samples | s | plain, time | s | ratio, samples | of 99 % | ratio, time | of 99 % |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
