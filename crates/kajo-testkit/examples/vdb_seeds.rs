@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kajo_testkit::nano_vdb;
+use kajo_testkit::nano_vdb::{self, NanoKind};
 use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
 fn main() -> std::io::Result<()> {
@@ -23,6 +23,7 @@ fn main() -> std::io::Result<()> {
     let axes = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 2.0]];
     let mut turned = few.clone();
     turned.map = VdbMap::Affine(axes, [1.0, 2.0, 3.0]);
+    let nano = |kind| nano_vdb::to_bytes_as(std::slice::from_ref(&few), &[kind], VdbCompression::Zip);
     let file = |compression, masks, grids| VdbFile { version: 224, compression, masks, grids }.to_bytes();
     let plain = file(VdbCompression::None, true, vec![few.clone()]);
     let seeds = [
@@ -32,11 +33,15 @@ fn main() -> std::io::Result<()> {
         ("half.vdb", file(VdbCompression::Zip, true, vec![of(VdbKind::Half, "flame")])),
         ("double.vdb", file(VdbCompression::Blosc, true, vec![of(VdbKind::Double, "density")])),
         ("vectors.vdb", file(VdbCompression::Zip, true, vec![of(VdbKind::Vec3, "Cd")])),
+        ("vectors_of_doubles.vdb", file(VdbCompression::Zip, true, vec![of(VdbKind::DoubleVec3, "vel")])),
+        ("own_half.vdb", file(VdbCompression::Zip, true, vec![of(VdbKind::OwnHalf, "density")])),
         ("turned.vdb", file(VdbCompression::Zip, true, vec![turned])),
         ("cut.vdb", plain[..plain.len() / 2].to_vec()),
         ("head.vdb", plain[..60].to_vec()),
         ("zip.nvdb", nano_vdb::to_bytes(&[few.clone()], VdbCompression::Zip)),
-        ("blosc.nvdb", nano_vdb::to_bytes(&[few], VdbCompression::Blosc)),
+        ("blosc.nvdb", nano_vdb::to_bytes(std::slice::from_ref(&few), VdbCompression::Blosc)),
+        ("vectors.nvdb", nano(NanoKind::DoubleVec3)),
+        ("codes.nvdb", nano(NanoKind::CodesByLeaf)),
     ];
     for (name, bytes) in seeds {
         std::fs::write(folder.join(name), bytes)?;

@@ -31,6 +31,10 @@ pub enum VdbKind {
     Vec3,
     /// Three floats that are saved as halves.
     HalfVec3,
+    /// Three numbers of eight bytes.
+    DoubleVec3,
+    /// A half, as trees of version 225 have it.
+    OwnHalf,
 }
 
 /// From indices to the world.
@@ -129,7 +133,7 @@ impl VdbGrid {
     }
 
     fn channels(&self) -> usize {
-        if matches!(self.kind, VdbKind::Vec3 | VdbKind::HalfVec3) { 3 } else { 1 }
+        if matches!(self.kind, VdbKind::Vec3 | VdbKind::HalfVec3 | VdbKind::DoubleVec3) { 3 } else { 1 }
     }
 }
 
@@ -153,6 +157,8 @@ impl VdbFile {
                     VdbKind::Double => "Tree_double_5_4_3",
                     VdbKind::Vec3 => "Tree_vec3s_5_4_3",
                     VdbKind::HalfVec3 => "Tree_vec3s_5_4_3_HalfFloat",
+                    VdbKind::DoubleVec3 => "Tree_vec3d_5_4_3",
+                    VdbKind::OwnHalf => "Tree_half_5_4_3",
                 },
             );
             text(&mut out, "");
@@ -265,7 +271,8 @@ impl Writer<'_> {
     fn value(&mut self, value: [f32; 3]) {
         for &number in &value[..self.grid.channels()] {
             match self.grid.kind {
-                VdbKind::Double => self.out.extend(f64::from(number).to_le_bytes()),
+                VdbKind::Double | VdbKind::DoubleVec3 => self.out.extend(f64::from(number).to_le_bytes()),
+                VdbKind::OwnHalf => self.out.extend(half::from_f32(number).to_le_bytes()),
                 _ => self.out.extend(number.to_le_bytes()),
             }
         }
@@ -365,8 +372,10 @@ impl Writer<'_> {
         let channels = self.grid.channels();
         for number in values.iter().flat_map(|value| &value[..channels]) {
             match self.grid.kind {
-                VdbKind::Half | VdbKind::HalfVec3 => bytes.extend(half::from_f32(*number).to_le_bytes()),
-                VdbKind::Double => bytes.extend(f64::from(*number).to_le_bytes()),
+                VdbKind::Half | VdbKind::HalfVec3 | VdbKind::OwnHalf => {
+                    bytes.extend(half::from_f32(*number).to_le_bytes());
+                }
+                VdbKind::Double | VdbKind::DoubleVec3 => bytes.extend(f64::from(*number).to_le_bytes()),
                 _ => bytes.extend(number.to_le_bytes()),
             }
         }
@@ -374,10 +383,11 @@ impl Writer<'_> {
         if is_half && values.is_empty() {
             return;
         }
+        let width = if is_half || self.grid.kind == VdbKind::OwnHalf { 2 } else { 4 };
         let packed = match self.file.compression {
             VdbCompression::None => return self.out.extend(bytes),
             VdbCompression::Zip => miniz_oxide::deflate::compress_to_vec_zlib(&bytes, 9),
-            VdbCompression::Blosc => blosc(&bytes, if is_half { 2 } else { 4 }, bytes.len().max(1)),
+            VdbCompression::Blosc => blosc(&bytes, width, bytes.len().max(1)),
         };
         if packed.len() < bytes.len() {
             self.out.extend((packed.len() as i64).to_le_bytes());

@@ -3,7 +3,7 @@
 use kajo_math::half;
 
 use super::blosc;
-use super::header::Stored;
+use super::header::{Number, Stored};
 use super::input::Input;
 use super::zip::{damaged, unzip};
 use crate::volume::VolumeError;
@@ -41,14 +41,14 @@ impl Codec {
         self.compression & ACTIVE_MASK != 0
     }
 
-    /// The numbers of one value, uncompressed and never of halves.
+    /// The numbers of one value, uncompressed and as the tree has them.
     pub fn value(&self, input: &mut Input) -> Result<[f32; 3], VolumeError> {
         let mut value = [0.0; 3];
         for number in &mut value[..self.stored.channels] {
-            *number = if self.stored.is_double {
-                input.f64()? as f32
-            } else {
-                input.array().map(f32::from_le_bytes)?
+            *number = match self.stored.number {
+                Number::Half => half::to_f32(input.u16()?),
+                Number::Float => input.array().map(f32::from_le_bytes)?,
+                Number::Double => input.f64()? as f32,
             };
         }
         Ok(value)
@@ -56,17 +56,16 @@ impl Codec {
 
     /// The numbers of an array of values, as many as a node has at most.
     pub fn values(&self, input: &mut Input, count: usize, room: &mut Room) -> Result<(), VolumeError> {
-        let Stored { channels, is_double, is_half } = self.stored;
+        let Stored { channels, number, is_half } = self.stored;
         room.numbers.clear();
         if is_half && count == 0 {
             return Ok(());
         }
-        let width = if is_half {
-            2
-        } else if is_double {
-            8
-        } else {
-            4
+        let width = match number {
+            _ if is_half => 2,
+            Number::Half => 2,
+            Number::Float => 4,
+            Number::Double => 8,
         };
         let bytes = count * channels * width;
         room.bytes.clear();

@@ -8,14 +8,24 @@ pub struct Header {
     pub grids: u32,
 }
 
+/// The numbers that a tree has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Number {
+    /// Two bytes.
+    Half,
+    /// Four bytes.
+    Float,
+    /// Eight bytes.
+    Double,
+}
+
 /// How the numbers of voxels are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stored {
     /// Numbers of a voxel.
     pub channels: usize,
-    /// Whether they have eight bytes in nodes, and not four.
-    pub is_double: bool,
-    /// Whether arrays of them are of halves.
+    pub number: Number,
+    /// Whether arrays of them are of halves, whatever the tree has.
     pub is_half: bool,
 }
 
@@ -23,7 +33,7 @@ pub struct Stored {
 pub enum GridKind {
     Values {
         channels: usize,
-        is_double: bool,
+        number: Number,
     },
     /// Something that is not read, and why.
     Other(String),
@@ -45,8 +55,8 @@ impl Header {
             return Err(VolumeError::Content("this is no file of OpenVDB".to_owned()));
         }
         let version = input.u32()?;
-        if !(222..=224).contains(&version) {
-            let message = format!("it has version {version} of the format, and only 222 to 224 are read");
+        if !(222..=225).contains(&version) {
+            let message = format!("it has version {version} of the format, and only 222 to 225 are read");
             return Err(VolumeError::Content(message));
         }
         let _library: [u8; 8] = input.array()?;
@@ -83,13 +93,15 @@ impl Header {
 }
 
 fn kind_of(name: &str, kind: &str) -> GridKind {
-    let (channels, is_double) = match kind.strip_suffix("_HalfFloat").unwrap_or(kind) {
-        "Tree_float_5_4_3" => (1, false),
-        "Tree_double_5_4_3" => (1, true),
-        "Tree_vec3s_5_4_3" => (3, false),
+    let (channels, number) = match kind.strip_suffix("_HalfFloat").unwrap_or(kind) {
+        "Tree_half_5_4_3" => (1, Number::Half),
+        "Tree_float_5_4_3" => (1, Number::Float),
+        "Tree_double_5_4_3" => (1, Number::Double),
+        "Tree_vec3s_5_4_3" => (3, Number::Float),
+        "Tree_vec3d_5_4_3" => (3, Number::Double),
         _ => return GridKind::Other(format!("the grid `{name}` is a {kind}, which is not read")),
     };
-    GridKind::Values { channels, is_double }
+    GridKind::Values { channels, number }
 }
 
 /// Steps over what a file or a grid says of itself; whether arrays of its numbers are of halves.

@@ -14,7 +14,7 @@
 //!
 //! Numbers are little end first; names have their length in four bytes. Voxel (i, j, k) has its middle at the point (i,
 //! j, k) of index space. There is no specification but the library itself [OpenVDB 10, `openvdb/io`, `openvdb/tree`].
-//! Versions 222 (OpenVDB 3.0, 2012) to 224 are read.
+//! Versions 222 (OpenVDB 3.0, 2012) to 225 (OpenVDB 13, 2025, with trees of halves) are read.
 //!
 //! A file is read from front to back, and nothing is made of a number in it but of the bytes that follow it.
 
@@ -145,8 +145,8 @@ pub fn read_vdb<T: VoxelValue>(
             input.skip_to(grid.end)?;
             continue;
         }
-        let (channels, is_double) = match grid.kind {
-            GridKind::Values { channels, is_double } => (channels, is_double),
+        let (channels, number) = match grid.kind {
+            GridKind::Values { channels, number } => (channels, number),
             GridKind::Other(why) => return Err(VolumeError::Content(why)),
         };
         if channels != T::CHANNELS {
@@ -158,7 +158,7 @@ pub fn read_vdb<T: VoxelValue>(
         let compression = input.u32()?;
         let is_half = header::metadata(&mut input)?;
         let map = map::read(&mut input)?;
-        let codec = Codec::new(compression, Stored { channels, is_double, is_half })?;
+        let codec = Codec::new(compression, Stored { channels, number, is_half })?;
         let (voxels, low, memory) = tree::read::<T>(&mut input, codec, grid.buffers, limits)?;
         return Ok(VoxelGrid { name: grid.name, voxels, map: map.counted_from(low), memory });
     }

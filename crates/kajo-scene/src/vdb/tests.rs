@@ -1,6 +1,6 @@
 //! Files of the writer of `kajo_testkit`, read again and damaged.
 
-use kajo_testkit::nano_vdb;
+use kajo_testkit::nano_vdb::{self, NanoKind};
 use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
 use super::*;
@@ -74,8 +74,8 @@ fn every_way_of_storing_is_read() {
     use VdbCompression::{Blosc, None, Zip};
     for compression in [None, Zip, Blosc] {
         for masks in [false, true] {
-            for kind in [VdbKind::Float, VdbKind::Half, VdbKind::Double] {
-                for version in [222, 223, 224] {
+            for kind in [VdbKind::Float, VdbKind::Half, VdbKind::Double, VdbKind::OwnHalf] {
+                for version in [222, 223, 224, 225] {
                     let grid = ball("density", kind, VdbMap::Uniform(0.5));
                     let bytes = VdbFile { version, ..file(compression, masks, vec![grid]) }.to_bytes();
                     let grid = read::<f32>(&bytes, 0).unwrap();
@@ -97,7 +97,7 @@ fn every_way_of_storing_is_read() {
                     }
                 }
             }
-            for kind in [VdbKind::Vec3, VdbKind::HalfVec3] {
+            for kind in [VdbKind::Vec3, VdbKind::HalfVec3, VdbKind::DoubleVec3] {
                 let bytes = file(compression, masks, vec![ball("Cd", kind, VdbMap::Uniform(1.0))]).to_bytes();
                 let grid = read::<[f32; 3]>(&bytes, 0).unwrap();
                 let v = value([0, 5, 12]);
@@ -257,11 +257,58 @@ fn nano_grids_are_those_of_open_ones() {
 }
 
 #[test]
+fn nano_grids_have_numbers_of_every_kind() {
+    use VdbCompression::{None, Zip};
+    let grid = ball("v", VdbKind::Float, VdbMap::Uniform(1.0));
+    let bytes = |kind| nano_vdb::to_bytes_as(std::slice::from_ref(&grid), &[kind], Zip);
+    let voxels = |z| (-4..15).flat_map(move |x| (-8..15).map(move |y| [x, y, z]));
+    let at = |[x, y, z]: [i32; 3]| [(x + 4) as u32, (y + 8) as u32, z as u32];
+    for kind in [NanoKind::Vec3, NanoKind::DoubleVec3] {
+        let nano = read::<[f32; 3]>(&bytes(kind), 0).unwrap();
+        let open = ball("v", VdbKind::Vec3, VdbMap::Uniform(1.0));
+        let open = read::<[f32; 3]>(&file(None, true, vec![open]).to_bytes(), 0).unwrap();
+        for index in (3..45).flat_map(voxels) {
+            assert_eq!(nano.voxels.at(at(index)), open.voxels.at(at(index)), "{kind:?} {index:?}");
+        }
+    }
+    for (kind, off) in [
+        (NanoKind::Double, 0.0),
+        // Leaves have numbers from -1 to 4.
+        (NanoKind::Codes(4), 5.0 / 65_535.0),
+        (NanoKind::Codes(3), 5.0 / 255.0),
+        (NanoKind::Codes(2), 5.0 / 15.0),
+        (NanoKind::CodesByLeaf, 5.0),
+    ] {
+        let read = read::<f32>(&bytes(kind), 0).unwrap();
+        let (mut largest, mut exact) = (0.0f32, 0);
+        for index in (3..45).flat_map(voxels) {
+            let difference = (read.voxels.at(at(index)) - expected(index)).abs();
+            largest = largest.max(difference);
+            exact += usize::from(difference < 1e-4);
+        }
+        assert!(largest <= 0.51 * off, "{kind:?} {largest}");
+        // By turns: a fifth of the leaves is known to sixteen bits.
+        assert!(kind != NanoKind::CodesByLeaf || exact > 3000, "{exact}");
+    }
+    let other = nano_vdb::to_bytes(&[grid], None);
+    let mut whole = other.clone();
+    whole[16 + 32] = 4;
+    assert_eq!(
+        read::<f32>(&whole, 0).err().unwrap(),
+        "the grid `v` has voxels of whole numbers, and what is read has one number or three"
+    );
+    assert_eq!(read::<[f32; 3]>(&other, 0).err().unwrap(), "the grid `v` has 1 numbers in a voxel, not 3");
+}
+
+#[test]
 fn damaged_nano_files_are_refused() {
     let mut grid = VdbGrid::new("d", VdbKind::Float, VdbMap::Uniform(1.0));
     (0..200).for_each(|k| grid.set([k % 9, k / 9, k % 4], [k as f32; 3]));
-    for compression in [VdbCompression::None, VdbCompression::Zip, VdbCompression::Blosc] {
-        let bytes = nano_vdb::to_bytes(&[grid.clone()], compression);
+    let kinds = [NanoKind::Float, NanoKind::Double, NanoKind::CodesByLeaf];
+    for (compression, kind) in
+        [VdbCompression::None, VdbCompression::Zip, VdbCompression::Blosc].into_iter().zip(kinds)
+    {
+        let bytes = nano_vdb::to_bytes_as(std::slice::from_ref(&grid), &[kind], compression);
         let step = bytes.len() / 100 + 1;
         for len in (8..bytes.len()).step_by(step) {
             assert!(read::<f32>(&bytes[..len], 0).is_err(), "{len}");

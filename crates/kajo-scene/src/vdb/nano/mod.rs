@@ -6,14 +6,19 @@
 //!   each grid: as it is; or u64 length and a stream of zlib; or such pieces of Blosc
 //! grid: 672 bytes               the map, in doubles, at 384: a matrix by rows; at 528: what the origin becomes
 //! tree: 64 bytes                at 24: where the root is from here
-//! root                          24 bytes box, u32 tiles, background, statistics; at 64 tiles of 32 bytes: u64 key, i64 child, u32 is active, value
-//! nodes of 32^3 and 16^3        32 bytes, mask of active, mask of children, statistics, entries of 8 bytes: value, or i64 child
-//! leaves of 8^3                 12 bytes, 4, mask of active, statistics; at 96 values
+//! root                          24 bytes box, u32 tiles, background, statistics; then tiles: u64 key, i64 child, u32 is active, value
+//! nodes of 32^3 and 16^3        32 bytes, mask of active, mask of children, statistics; then entries: value, or i64 child
+//! leaves of 8^3                 12 bytes, 3, u8 flags, mask of active, statistics; then voxels
+//!   of codes                    f32 least, f32 step, and 8 bytes in place of the statistics; of any width: 2^k bits, k in the upper three of the flags
 //! ```
 //!
 //! Children are told by how many bytes they are behind what has them. Numbers are little end first, and parts begin at multiples of 32 bytes.
-//! Grids of floats of the versions 32.x are read [Museth 2021; OpenVDB 10, `nanovdb/NanoVDB.h`, `nanovdb/util/IO.h`].
+//! Grids of the versions 32.x are read that have floats, doubles, three of these, or codes for floats [Museth 2021; OpenVDB 10,
+//! `nanovdb/NanoVDB.h`, `nanovdb/util/IO.h`].
 
+mod layout;
+
+use self::layout::{Layout, Voxels};
 use super::blosc;
 use super::input::Input;
 use super::map::GridMap;
@@ -36,12 +41,9 @@ const GRID: usize = 672;
 const MATRIX: usize = 384;
 const ORIGIN: usize = 528;
 
-/// Bytes of a root in front of its tiles, and of each of these.
-const ROOT_HEAD: usize = 64;
-const ROOT_TILE: usize = 32;
-
-/// Bytes of a leaf in front of its values.
-const LEAF_HEAD: usize = 96;
+/// Bytes of a leaf in front of its mask, and behind it.
+const LEAF_MASK: usize = 16;
+const LEAF_STATISTICS: usize = 80;
 
 /// What a file says of a grid.
 struct Entry {
@@ -53,22 +55,13 @@ struct Entry {
 }
 
 impl Entry {
-    fn channels(&self) -> Result<usize, String> {
-        match self.kind {
-            1 => Ok(1),
-            kind => {
-                let name = match kind {
-                    2 => "doubles",
-                    6 => "vectors",
-                    13..=16 => "quantised floats",
-                    _ => "another kind",
-                };
-                Err(format!(
-                    "the grid `{}` has values of {name}, and only floats are read from NanoVDB",
-                    self.name
-                ))
-            }
-        }
+    fn layout(&self) -> Result<Layout, String> {
+        Layout::of(self.kind).map_err(|values| {
+            format!(
+                "the grid `{}` has voxels of {values}, and what is read has one number or three",
+                self.name
+            )
+        })
     }
 }
 
@@ -105,7 +98,8 @@ pub fn list(input: &mut Input) -> Result<Vec<GridEntry>, VolumeError> {
     let mut entries = Vec::new();
     while let Some(segment) = segment(input)? {
         for entry in &segment {
-            entries.push(GridEntry { channels: entry.channels(), name: entry.name.clone() });
+            let channels = entry.layout().map(|layout| layout.channels);
+            entries.push(GridEntry { channels, name: entry.name.clone() });
         }
         for entry in segment {
             input.skip(entry.bytes_in_file)?;
@@ -129,17 +123,18 @@ pub fn read<T: VoxelValue>(
                 input.skip(entry.bytes_in_file)?;
                 continue;
             }
-            let channels = entry.channels().map_err(VolumeError::Content)?;
-            if channels != T::CHANNELS {
+            let layout = entry.layout().map_err(VolumeError::Content)?;
+            if layout.channels != T::CHANNELS {
                 let message = format!(
-                    "the grid `{}` has {channels} numbers in a voxel, not {}",
+                    "the grid `{}` has {} numbers in a voxel, not {}",
                     entry.name,
+                    layout.channels,
                     T::CHANNELS
                 );
                 return Err(VolumeError::Content(message));
             }
             let (bytes, held) = unpacked(input, &entry, limits)?;
-            let (voxels, map, memory) = grid(&Data(&bytes), limits)?;
+            let (voxels, map, memory) = grid(&Data { bytes: &bytes, layout }, limits)?;
             drop(held);
             return Ok(VoxelGrid { name: entry.name, voxels, map, memory });
         }
@@ -190,7 +185,10 @@ fn unpacked(
 }
 
 /// The bytes of a grid.
-struct Data<'a>(&'a [u8]);
+struct Data<'a> {
+    bytes: &'a [u8],
+    layout: Layout,
+}
 
 fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     bytes.get(at..at.checked_add(4)?)?.try_into().ok().map(u32::from_le_bytes)
@@ -206,15 +204,15 @@ fn outside() -> VolumeError {
 
 impl Data<'_> {
     fn slice(&self, at: usize, len: usize) -> Result<&[u8], VolumeError> {
-        at.checked_add(len).and_then(|end| self.0.get(at..end)).ok_or_else(outside)
+        at.checked_add(len).and_then(|end| self.bytes.get(at..end)).ok_or_else(outside)
     }
 
     fn u32(&self, at: usize) -> Result<u32, VolumeError> {
-        u32_at(self.0, at).ok_or_else(outside)
+        u32_at(self.bytes, at).ok_or_else(outside)
     }
 
     fn u64(&self, at: usize) -> Result<u64, VolumeError> {
-        u64_at(self.0, at).ok_or_else(outside)
+        u64_at(self.bytes, at).ok_or_else(outside)
     }
 
     fn f64(&self, at: usize) -> Result<f64, VolumeError> {
@@ -227,9 +225,9 @@ impl Data<'_> {
         usize::try_from(distance).ok().and_then(|distance| from.checked_add(distance)).ok_or_else(outside)
     }
 
-    /// The value of one number at a place.
+    /// The value at a place.
     fn value<T: VoxelValue>(&self, at: usize) -> Result<T, VolumeError> {
-        self.u32(at).map(|bits| T::from_numbers(&[f32::from_bits(bits)]))
+        self.slice(at, self.layout.value()).map(|bytes| self.layout.decode(bytes))
     }
 
     /// The masks of a node, of what is active and of children; and where its entries are.
@@ -238,8 +236,57 @@ impl Data<'_> {
         let first = at.checked_add(32).ok_or_else(outside)?;
         let masks =
             [Mask::of_bytes(self.slice(first, mask)?), Mask::of_bytes(self.slice(first + mask, mask)?)];
-        // Statistics of four numbers; entries begin at a multiple of 32 bytes.
-        Ok((masks, at + (32 + 2 * mask + 16).next_multiple_of(32)))
+        Ok((masks, at + self.layout.node_head(mask)))
+    }
+
+    /// Where the voxels of a leaf are, and how many bytes they take.
+    fn leaf_voxels(&self, leaf: usize) -> Result<(usize, usize), VolumeError> {
+        let start = leaf.checked_add(self.layout.leaf_head()).ok_or_else(outside)?;
+        let bytes = match self.layout.voxels {
+            Voxels::Plain => self.layout.value() * LEAF_VOXELS,
+            codes => (LEAF_VOXELS << self.log2_bits(leaf, codes)?) / 8,
+        };
+        Ok((start, bytes))
+    }
+
+    /// The logarithm of the bits of each code of a leaf.
+    fn log2_bits(&self, leaf: usize, codes: Voxels) -> Result<u32, VolumeError> {
+        match codes {
+            Voxels::Codes(bits) => Ok(bits),
+            _ => match self.u32(leaf + 12)? >> 29 {
+                bits @ 0..=4 => Ok(bits),
+                bits => Err(VolumeError::Content(format!("a leaf of it has codes of {} bits", 1u32 << bits))),
+            },
+        }
+    }
+
+    /// Reads the voxels of a leaf.
+    fn leaf<T: VoxelValue>(&self, leaf: usize, voxels: &mut [T]) -> Result<(), VolumeError> {
+        let (start, len) = self.leaf_voxels(leaf)?;
+        let bytes = self.slice(start, len)?;
+        if self.layout.voxels == Voxels::Plain {
+            for (voxel, bytes) in voxels.iter_mut().zip(bytes.chunks_exact(self.layout.value())) {
+                *voxel = self.layout.decode(bytes);
+            }
+            return Ok(());
+        }
+        let log2_bits = self.log2_bits(leaf, self.layout.voxels)?;
+        let [least, step] =
+            [self.u32(leaf + LEAF_STATISTICS)?, self.u32(leaf + LEAF_STATISTICS + 4)?].map(f32::from_bits);
+        for (index, voxel) in voxels.iter_mut().enumerate() {
+            *voxel = T::from_numbers(&[code(bytes, log2_bits, index) as f32 * step + least]);
+        }
+        Ok(())
+    }
+}
+
+/// One of many codes of `2^log2_bits` bits, 16 at most; the first ones are the lowest of each byte.
+fn code(bytes: &[u8], log2_bits: u32, index: usize) -> u16 {
+    let bit = index << log2_bits;
+    match log2_bits {
+        4 => u16::from_le_bytes([bytes[bit / 8], bytes[bit / 8 + 1]]),
+        3 => u16::from(bytes[bit / 8]),
+        _ => u16::from(bytes[bit / 8]) >> (bit % 8) & ((1 << (1 << log2_bits)) - 1),
     }
 }
 
@@ -260,7 +307,7 @@ fn grid<T: VoxelValue>(
     data: &Data<'_>,
     limits: &Limits,
 ) -> Result<(crate::voxels::SparseVoxels<T>, GridMap, MemoryShare), VolumeError> {
-    if !GRID_MAGICS.iter().any(|magic| data.0.starts_with(magic)) {
+    if !GRID_MAGICS.iter().any(|magic| data.bytes.starts_with(magic)) {
         return Err(VolumeError::Content("a part of it is no grid of NanoVDB".to_owned()));
     }
     let mut map = GridMap { axes: [[0.0; 3]; 3], origin: [0.0; 3] };
@@ -273,13 +320,14 @@ fn grid<T: VoxelValue>(
     map.check()?;
     let root = data.child(GRID, GRID + 24)?;
     let tiles = data.u32(root.checked_add(24).ok_or_else(outside)?)? as usize;
-    let background = data.value::<T>(root + 28)?;
+    let layout = data.layout;
+    let background = data.value::<T>(root + layout.background())?;
     let mut made = Topology::new(background, limits)?;
-    let mut left = Left(data.0.len());
+    let mut left = Left(data.bytes.len());
     let mut known = std::collections::BTreeSet::new();
     for tile in 0..tiles {
-        left.take(ROOT_TILE)?;
-        let at = root + ROOT_HEAD + ROOT_TILE * tile;
+        left.take(layout.root_tile())?;
+        let at = root + layout.root_head() + layout.root_tile() * tile;
         let key = data.u64(at)?;
         // 21 bits for each axis, x first.
         let origin = [42, 21, 0].map(|shift| ((key >> shift & 0x1f_ffff) << ROOT) as u32 as i32);
@@ -287,19 +335,13 @@ fn grid<T: VoxelValue>(
             return Err(VolumeError::Content("two parts of it are at the same place".to_owned()));
         }
         if data.u64(at + 8)? == 0 {
-            let tile = Tile { origin, log2_width: ROOT, value: data.value(at + 20)? };
+            let tile = Tile { origin, log2_width: ROOT, value: data.value(at + layout.tile_value())? };
             made.tile(tile, data.u32(at + 16)? != 0)?;
             continue;
         }
         upper(data, data.child(root, at + 8)?, origin, &mut made, &mut left)?;
     }
-    let (builder, low) = made.build(limits, |leaf: usize, voxels| {
-        let values = data.slice(leaf.checked_add(LEAF_HEAD).ok_or_else(outside)?, 4 * LEAF_VOXELS)?;
-        for (voxel, bytes) in voxels.iter_mut().zip(values.as_chunks().0) {
-            *voxel = T::from_numbers(&[f32::from_le_bytes(*bytes)]);
-        }
-        Ok(())
-    })?;
+    let (builder, low) = made.build(limits, |leaf: usize, voxels| data.leaf(leaf, voxels))?;
     let (voxels, memory) = builder.finish();
     Ok((voxels, map.counted_from(low), memory))
 }
@@ -319,8 +361,9 @@ fn upper<T: VoxelValue>(
         leaves.clear();
         entries(data, at, origin, LOWER, made, left, &mut leaves)?;
         for &(origin, at) in &leaves {
-            left.take(LEAF_HEAD + 4 * LEAF_VOXELS)?;
-            let mask = Mask::of_bytes(data.slice(at.checked_add(16).ok_or_else(outside)?, LEAF_VOXELS / 8)?);
+            let (start, len) = data.leaf_voxels(at)?;
+            left.take(start - at + len)?;
+            let mask = Mask::of_bytes(data.slice(at + LEAF_MASK, LEAF_VOXELS / 8)?);
             made.leaf(origin, &mask, at)?;
         }
     }
@@ -339,11 +382,12 @@ fn entries<T: VoxelValue>(
 ) -> Result<(), VolumeError> {
     let ([active, has_child], table) = data.node(at, shape)?;
     let count = 1usize << (3 * shape[0]);
-    left.take(8 * count)?;
-    data.slice(table, 8 * count)?;
+    let width = data.layout.entry();
+    left.take(width * count)?;
+    data.slice(table, width * count)?;
     for index in 0..count {
         let place = entry_origin(origin, shape, index);
-        let entry = table + 8 * index;
+        let entry = table + width * index;
         if has_child.is_on(index) {
             children.push((place, data.child(at, entry)?));
         } else {
