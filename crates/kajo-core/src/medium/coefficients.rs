@@ -23,7 +23,11 @@ pub struct Coefficients {
     heat: Option<Arc<Heat>>,
     colors: Option<Arc<AlbedoGrid>>,
     is_subsurface: bool,
+    separates_colors: bool,
 }
+
+/// How many times as large the largest of three extinctions may be as the least one, so that walks are shared by all colours.
+const LIKE_COLORS: f32 = 2.5;
 
 /// Why there are no such coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -67,6 +71,7 @@ impl Coefficients {
             heat: None,
             colors: None,
             is_subsurface: false,
+            separates_colors: false,
         }
     }
 
@@ -104,18 +109,28 @@ impl Coefficients {
         if !sigma_t.iter().all(|v| v.is_finite() && *v > 0.0) {
             return Err(CoefficientsError::Coefficient);
         }
+        let [least, most] = [f32::min, f32::max].map(|of| sigma_t.into_iter().reduce(of).unwrap_or(1.0));
+        let separates_colors = most > LIKE_COLORS * least;
         let sigma_t = Unbounded::from_rgb(sigma_t);
         let albedo = |color| albedo_of(color, phase.mean_cosine());
         let sigma_a = Unbounded::from_each(color, &sigma_t, |color, sigma_t| sigma_t * (1.0 - albedo(color)));
         let sigma_s = Unbounded::from_each(color, &sigma_t, |color, sigma_t| sigma_t * albedo(color));
         let scatters = color.rgb().iter().any(|&v| v > 0.0);
-        Ok(Coefficients { sigma_a, sigma_s, scatters, phase, is_subsurface: true, ..Coefficients::clear() })
+        let made =
+            Coefficients { sigma_a, sigma_s, scatters, phase, separates_colors, ..Coefficients::clear() };
+        Ok(Coefficients { is_subsurface: true, ..made })
     }
 
     /// Whether it was made by [`Coefficients::subsurface`], so that light is scattered many times on its way out again.
     #[inline]
     pub fn is_subsurface(&self) -> bool {
         self.is_subsurface
+    }
+
+    /// Whether it was made by [`Coefficients::subsurface`] with radii so different that a walk of one colour says little of the others.
+    #[inline]
+    pub fn separates_colors(&self) -> bool {
+        self.separates_colors
     }
 
     /// Absorption per unit length.

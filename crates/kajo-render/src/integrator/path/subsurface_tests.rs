@@ -140,3 +140,44 @@ fn light_spreads_by_the_radius() {
     let diffuse = 0.8 / std::f64::consts::PI * 0.1 / 1.01f64.powf(1.5);
     assert!(near.mean - 4.0 * near.standard_error > 1.5 * diffuse, "{near:?} {diffuse}");
 }
+
+/// Colours that walk apart bring as much light as paths that have all of them: of a sky, of a lamp beside the body, and of one within it, whether lights are drawn or met.
+#[test]
+fn split_colours_bring_the_light_of_whole_paths() {
+    let text = format!(
+        "{} Materials {{
+            Principled b {{ color 0.8 0.5 0.4  roughness 0.4  subsurface 1  subsurfaceRadius 1 0.35 0.2  subsurfaceScale 0.6 }}
+            Matte lamp {{ color 0.5 0.5 0.5  emission 9 8 12 }}
+         }}
+         Group {{
+            MaterialIndex b Sphere {{ center 0 0 0 radius 1 }}
+            MaterialIndex lamp Sphere {{ center 0.2 0.55 0 radius 0.2 }} Quad {{ corner -2 -1 2  edge1 0 2 0  edge2 1 0 1 }}
+         }}",
+        camera([0.4, 3.0, 2.0], [0.0, 0.3, 0.0]).replace("color 0 0 0", "color 0.3 0.2 0.4")
+    );
+    let scene = scene(&text);
+    // A path with branches is not split.
+    let whole = [0, 1, 2].map(|lane| mean(&scene, PathSettings { branches: 2, ..settings() }, 3000, lane));
+    for technique in TECHNIQUES {
+        for (lane, whole) in whole.iter().enumerate() {
+            let split = mean(&scene, PathSettings { technique, ..settings() }, 2000, lane);
+            let noise = split.standard_error.hypot(whole.standard_error);
+            assert!(
+                (split.mean - whole.mean).abs() < 4.0 * noise,
+                "{technique:?} {lane}: {split:?} {whole:?}"
+            );
+            assert!(noise < 0.05 * whole.mean, "{technique:?} {lane}: {split:?} {whole:?}");
+        }
+    }
+}
+
+/// What is lost of each colour depends on its own walk alone, so that little of the noise of whole paths is left.
+#[test]
+fn split_colours_have_little_noise() {
+    let material =
+        "Principled b { color 0.8 0.5 0.4  subsurface 1  subsurfaceRadius 1 0.35 0.2  indexOfRefraction 1 }";
+    let scene = under_a_white_sky([1.0, 5.0, 0.0], material, HALF_SPACE);
+    let [split, whole] =
+        [1, 2].map(|branches| mean(&scene, PathSettings { branches, ..settings() }, 1000, 0));
+    assert!(split.standard_error < 0.5 * whole.standard_error, "{split:?} {whole:?}");
+}

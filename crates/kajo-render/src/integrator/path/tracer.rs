@@ -2,6 +2,7 @@
 
 mod casters;
 mod caustics;
+mod colors;
 mod crossed;
 mod guided;
 mod indirect;
@@ -235,6 +236,8 @@ pub(in crate::integrator) struct PathTracer<'a, 's, O: PathObserver, C> {
     beside: Option<Spectrum>,
     /// Vertices with branches that remain to be followed; those of the last one are next.
     forks: Vec<Fork<'s, O::Mark>>,
+    /// Colours that remain to be followed of a path that goes on as three.
+    colors: Vec<(CameraPath<'s>, O::Mark)>,
 }
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
@@ -252,7 +255,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let begins_in_medium = false;
         let lights = settings.light_selection();
         let estimate = Estimate { light, sensed, groups, first: None, begins_in_medium, albedo: None };
-        PathTracer { view, settings, lights, observer, estimate, indirect, beside: None, forks }
+        let colors = Vec::new();
+        PathTracer { view, settings, lights, observer, estimate, indirect, beside: None, forks, colors }
     }
 
     /// The same with another choice of lights than that of the settings.
@@ -265,7 +269,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     pub fn run(&mut self, mut path: CameraPath<'s>) -> ([f32; 3], &Estimate) {
         let mut surface = SurfaceInteraction::default();
         self.run_branch(&mut path, &mut surface);
-        while self.take_branch(&mut path) {
+        while self.take_color(&mut path) || self.take_branch(&mut path) {
             self.run_branch(&mut path, &mut surface);
         }
         if self.estimate.begins_in_medium {
@@ -410,7 +414,11 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// [`CameraPath::go_on`], noted where lights behind glass are drawn.
     #[inline]
     fn go_on(&mut self, path: &mut CameraPath<'s>, at: Shaded<'_>, part: Part) -> bool {
+        let may_split = self.may_split_colors(path);
         let goes_on = path.go_on(self.scene(), self.settings, at, part, self.observer);
+        if may_split && goes_on && path.state.media.separates_colors(self.scene()) {
+            self.split_colors(path);
+        }
         if C::WALKS {
             self.note_crossed(path, at.surface, at.bsdf);
         }
@@ -548,6 +556,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let segment = surface.at.point.ray_to(&li.at, li.wi, state.ray.time);
         let crosses = wi.z * local.wo.z < 0.0;
         let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
+        if beyond.is_some_and(|beyond| beyond.separates_colors(scene)) && self.may_split_colors(path) {
+            return;
+        }
+        let state = &mut path.state;
         let media = beyond.as_ref().unwrap_or(&state.media);
         if state.carries_media {
             let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, towards);

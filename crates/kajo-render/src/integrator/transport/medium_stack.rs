@@ -151,6 +151,12 @@ impl MediumStack {
         self.top().map_or(self.air, |medium| medium.inside).get()
     }
 
+    /// Whether the point is in one medium whose colours walk ways of their own; see [`Coefficients::separates_colors`].
+    pub fn separates_colors(&self, scene: &Scene) -> bool {
+        let separates = |medium| scene.appearance.media.coefficients(medium).separates_colors();
+        !self.overlaps() && self.medium().is_some_and(separates)
+    }
+
     /// Whether several media may be around the point, which are then those of [`MediumStack::each_medium`].
     #[inline]
     pub fn overlaps(&self) -> bool {
