@@ -141,17 +141,17 @@ fn light_spreads_by_the_radius() {
     assert!(near.mean - 4.0 * near.standard_error > 1.5 * diffuse, "{near:?} {diffuse}");
 }
 
-/// Colours that walk apart bring as much light as paths that have all of them: of a sky, of a lamp beside the body, and of one within it, whether lights are drawn or met.
+/// Colours that walk apart bring as much light as paths that have all of them: of a sky, of an emitter beside the body, and of one within it, whether lights are drawn or met.
 #[test]
 fn split_colours_bring_the_light_of_whole_paths() {
     let text = format!(
         "{} Materials {{
             Principled b {{ color 0.8 0.5 0.4  roughness 0.4  subsurface 1  subsurfaceRadius 1 0.35 0.2  subsurfaceScale 0.6 }}
-            Matte lamp {{ color 0.5 0.5 0.5  emission 9 8 12 }}
+            Matte emitter {{ color 0.5 0.5 0.5  emission 9 8 12 }}
          }}
          Group {{
             MaterialIndex b Sphere {{ center 0 0 0 radius 1 }}
-            MaterialIndex lamp Sphere {{ center 0.2 0.55 0 radius 0.2 }} Quad {{ corner -2 -1 2  edge1 0 2 0  edge2 1 0 1 }}
+            MaterialIndex emitter Sphere {{ center 0.2 0.55 0 radius 0.2 }} Quad {{ corner -2 -1 2  edge1 0 2 0  edge2 1 0 1 }}
          }}",
         camera([0.4, 3.0, 2.0], [0.0, 0.3, 0.0]).replace("color 0 0 0", "color 0.3 0.2 0.4")
     );

@@ -538,33 +538,30 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         local: &LocalFrame,
     ) {
         let (scene, settings) = (self.scene(), self.settings);
-        let state = &mut path.state;
         let receiver = receiver(surface, local);
-        let Some(chosen) = choose_light(scene, state, &receiver, self.lights) else { return };
+        let Some(chosen) = choose_light(scene, &mut path.state, &receiver, self.lights) else { return };
         if C::WALKS {
             self.add_light_through_glass(path, Shaded { surface, bsdf, local }, &chosen);
         }
-        let state = &mut path.state;
-        let drawn = light_of_choice(scene, state, &receiver, &chosen, self.lights);
+        let drawn = light_of_choice(scene, &path.state, &receiver, &chosen, self.lights);
         let Some(DrawnLight { light, li, pdf }) = drawn else { return };
         let Some(wi) = local.to_local(li.wi) else { return };
         let towards = TwoFrames { local: wi, world: li.wi };
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
-        if scattered.is_black() {
-            return;
-        }
-        let segment = surface.at.point.ray_to(&li.at, li.wi, state.ray.time);
+        let segment = surface.at.point.ray_to(&li.at, li.wi, path.state.ray.time);
         let crosses = wi.z * local.wo.z < 0.0;
-        let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
-        if beyond.is_some_and(|beyond| beyond.separates_colors(scene)) && self.may_split_colors(path) {
+        let beyond =
+            surface.interface.filter(|_| crosses).map(|interface| path.state.media.across(&interface));
+        if scattered.is_black() || self.leaves_to_colors(path, beyond.as_ref()) {
             return;
         }
         let state = &mut path.state;
         let media = beyond.as_ref().unwrap_or(&state.media);
         if state.carries_media {
             let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, towards);
-            let (carried, media) = (state.beta * scattered, *media);
-            let joined = Joined { receiver, segment, media, carried, pdf_by_scattering, densities: None };
+            let carried = state.beta * scattered;
+            let joined =
+                Joined { receiver, segment, media: *media, carried, pdf_by_scattering, densities: None };
             return self.add_light_through_media(path, &DrawnLight { light, li, pdf }, joined);
         }
         let carried = state.beta * scattered * media.transmittance(segment.length());

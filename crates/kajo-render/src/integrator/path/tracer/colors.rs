@@ -17,6 +17,7 @@ use kajo_color::Spectrum;
 use kajo_core::settings::Directions;
 
 use super::{CameraPath, IndirectLight, PathTracer};
+use crate::integrator::transport::MediumStack;
 use crate::trail::PathObserver;
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
@@ -36,6 +37,14 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             && path.state.carries_media
             && !path.state.wavelengths.is_spectral()
             && !path.state.media.separates_colors(scene)
+    }
+
+    /// Whether light from behind a surface is left to paths that go on there as one colour each.
+    ///
+    /// * `beyond`: media behind the surface, where the light is there
+    #[inline]
+    pub(super) fn leaves_to_colors(&self, path: &CameraPath<'s>, beyond: Option<&MediumStack>) -> bool {
+        beyond.is_some_and(|beyond| beyond.separates_colors(self.scene())) && self.may_split_colors(path)
     }
 
     /// Leaves a path its first colour, and keeps the others for later.
