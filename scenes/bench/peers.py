@@ -1,5 +1,6 @@
 """What the scripts that render one scene by kajo and by other programs have in common."""
 
+import os
 import pathlib
 import resource
 import subprocess
@@ -43,6 +44,54 @@ class Kajo:
         _, start = self.render(1, seed)
         picture, seconds = self.render(samples, seed)
         return picture, (seconds - start) * samples / (samples - 1)
+
+
+class PovRay:
+    """A scene of POV-Ray 3.7, rendered on one thread into a square."""
+
+    def __init__(self, name, folder, file, size, text):
+        self.name, self.size, self.folder = f"POV-Ray {name}", size, folder
+        self.file, self.text = folder / f"{file}.pov", text
+
+    def run(self, _seed):
+        self.file.write_text(self.text)
+        config = self.folder / ".povray/3.7"
+        config.mkdir(parents=True, exist_ok=True)
+        (config / "povray.conf").touch()
+        out = self.file.with_suffix(".hdr")
+        command = ["povray", f"+I{self.file.name}", f"+O{out.name}", f"+W{self.size}", f"+H{self.size}", "+FH", "-D", "+A0.0", "+AM2", "+R3", "-J", "+WT1"]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        subprocess.run(command, check=True, cwd=self.folder, capture_output=True, env=os.environ | {"HOME": str(self.folder.resolve())})
+        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        return read_radiance(out), seconds
+
+
+def read_radiance(path):
+    """A picture in Radiance's format, whose rows are run-length coded by channel."""
+    content = path.read_bytes()
+    end = content.index(b"\n\n") + 2
+    size, rest = content[end:].split(b"\n", 1)
+    height, width = int(size.split()[1]), int(size.split()[3])
+    rows, at = np.empty((height, width, 4), np.uint8), 0
+    for row in rows:
+        if not (rest[at] == 2 and rest[at + 1] == 2 and rest[at + 2] * 256 + rest[at + 3] == width):
+            row[:] = np.frombuffer(rest, np.uint8, 4 * width, at).reshape(width, 4)
+            at += 4 * width
+            continue
+        at += 4
+        for channel in range(4):
+            x = 0
+            while x < width:
+                n = rest[at]
+                if n > 128:
+                    row[x : x + n - 128, channel] = rest[at + 1]
+                    x, at = x + n - 128, at + 2
+                else:
+                    row[x : x + n, channel] = np.frombuffer(rest, np.uint8, n, at + 1)
+                    x, at = x + n, at + 1 + n
+    # The bytes of red, green and blue stand for the middles of their steps.
+    scale = np.ldexp(1.0, rows[..., 3:].astype(int) - 136)
+    return np.where(rows[..., 3:] > 0, (rows[..., :3] + 0.5) * scale, 0)
 
 
 class Mitsuba:
@@ -151,7 +200,7 @@ class Cycles:
 class LuxCore:
     """A scene of LuxCore, rendered on one thread into a square."""
 
-    def __init__(self, size, engine, eye, target, view_angle, settings):
+    def __init__(self, size, engine, eye, target, view_angle, settings, up=(0, 1, 0)):
         """* `settings`: of a render, beside those that all have"""
         import pyluxcore
 
@@ -164,7 +213,7 @@ class LuxCore:
             "scene.camera.type": "perspective",
             "scene.camera.lookat.orig": list(eye),
             "scene.camera.lookat.target": list(target),
-            "scene.camera.up": [0, 1, 0],
+            "scene.camera.up": list(up),
             "scene.camera.fieldofview": view_angle,
             "scene.camera.autofocus.enable": 0,
         })  # fmt: skip

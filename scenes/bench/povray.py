@@ -9,10 +9,7 @@ of rising quality, kajo with rising numbers of samples. The error is that of one
 pixels, of all but the worst one in a hundred, and of all but the worst one in ten, which is without the edges, where POV-Ray takes some nine samples a pixel; seconds are of processor time of the whole process. In the room light is scattered three times at most between the floor and the eye, as by `recursion_limit 3`."""
 
 import argparse
-import os
 import pathlib
-import resource
-import subprocess
 
 import numpy as np
 import peers
@@ -65,9 +62,7 @@ class Kajo(peers.Kajo):
         self.name = f"kajo {name}"
 
 
-class PovRay:
-    """A scene of POV-Ray 3.7, rendered on one thread into a square."""
-
+class PovRay(peers.PovRay):
     def __init__(self, options, name, settings):
         scene = SCENES[options.scene]
         vector = lambda v: f"<{', '.join(f'{x:g}' for x in v)}>"
@@ -84,49 +79,7 @@ class PovRay:
             f"camera {{ perspective location {vector(scene['eye'])} right -x up y angle {scene['angle']} look_at {vector(scene['target'])} }}\n"
             f"light_source {{ {vector(-50 * np.array(scene['light'], float))} rgb 1 parallel point_at 0 photons {{ reflection on refraction on }} }}\n{boxes}\n{balls}\n"
         )
-        self.name, self.size, self.folder = f"POV-Ray {name}", options.size, options.folder
-        self.file = options.folder / f"{options.scene}.pov"
-        self.text = text
-
-    def run(self, _seed):
-        self.file.write_text(self.text)
-        config = self.folder / ".povray/3.7"
-        config.mkdir(parents=True, exist_ok=True)
-        (config / "povray.conf").touch()
-        out = self.file.with_suffix(".hdr")
-        command = ["povray", f"+I{self.file.name}", f"+O{out.name}", f"+W{self.size}", f"+H{self.size}", "+FH", "-D", "+A0.0", "+AM2", "+R3", "-J", "+WT1"]
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        subprocess.run(command, check=True, cwd=self.folder, capture_output=True, env=os.environ | {"HOME": str(self.folder.resolve())})
-        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-        return read_radiance(out), seconds
-
-
-def read_radiance(path):
-    """A picture in Radiance's format, whose rows are run-length coded by channel."""
-    content = path.read_bytes()
-    end = content.index(b"\n\n") + 2
-    size, rest = content[end:].split(b"\n", 1)
-    height, width = int(size.split()[1]), int(size.split()[3])
-    rows, at = np.empty((height, width, 4), np.uint8), 0
-    for row in rows:
-        if not (rest[at] == 2 and rest[at + 1] == 2 and rest[at + 2] * 256 + rest[at + 3] == width):
-            row[:] = np.frombuffer(rest, np.uint8, 4 * width, at).reshape(width, 4)
-            at += 4 * width
-            continue
-        at += 4
-        for channel in range(4):
-            x = 0
-            while x < width:
-                n = rest[at]
-                if n > 128:
-                    row[x : x + n - 128, channel] = rest[at + 1]
-                    x, at = x + n - 128, at + 2
-                else:
-                    row[x : x + n, channel] = np.frombuffer(rest, np.uint8, n, at + 1)
-                    x, at = x + n, at + 1 + n
-    # The bytes of red, green and blue stand for the middles of their steps.
-    scale = np.ldexp(1.0, rows[..., 3:].astype(int) - 136)
-    return np.where(rows[..., 3:] > 0, (rows[..., :3] + 0.5) * scale, 0)
+        super().__init__(name, options.folder, options.scene, options.size, text)
 
 
 def programs(options):
