@@ -53,8 +53,8 @@ class Kajo(peers.Kajo):
 
 
 class Mitsuba(peers.Mitsuba):
-    def __init__(self, options):
-        super().__init__("scalar_rgb", options.size, options.samples, EYE, TARGET, VIEW_ANGLE)
+    def __init__(self, options, variant):
+        super().__init__(variant, options.size, options.samples, EYE, TARGET, VIEW_ANGLE)
         self.sensor["medium"] = {"type": "ref", "id": "fog"}
         T = self.mi.ScalarTransform4f
         fog = {"type": "homogeneous", "albedo": SCATTERING / (SCATTERING + ABSORPTION), "sigma_t": SCATTERING + ABSORPTION,
@@ -110,12 +110,13 @@ def main():
     parser.add_argument("--lights", choices=LIGHTS, default="spot")
     for name, default in (("size", 128), ("samples", 64), ("runs", 4), ("bounces", 8)):
         parser.add_argument(f"--{name}", type=int, default=default)
+    parser.add_argument("--variant", action="append", help="Mitsuba's; scalar_rgb where none is named")
     parser.add_argument("--without-cycles", action="store_true")
     parser.add_argument("--without-mitsuba", action="store_true")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     programs = [Kajo(options, program) for program in options.kajo or ["kajo"]]
-    programs += [] if options.without_mitsuba else [Mitsuba(options)]
+    programs += [] if options.without_mitsuba else [Mitsuba(options, variant) for variant in options.variant or ["scalar_rgb"]]
     programs += [] if options.without_cycles else [Cycles(options)]
     peers.rows_by_variance(programs, options.runs)
 

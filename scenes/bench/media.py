@@ -2,7 +2,7 @@
 """A cloud, coloured smoke and skin, path traced by kajo and by Mitsuba 3 (`volpathmis`), Blender's Cycles and LuxCore: what an error costs.
 
     pip install mitsuba bpy pyluxcore numpy
-    scenes/bench/media.py DIR [--scene cloud|smoke|skin] [--kajo FILE]... [--without cycles|mitsuba|luxcore]... [--size N] [--samples N] [--runs N] [--bounces N]
+    scenes/bench/media.py DIR [--scene cloud|smoke|skin] [--kajo FILE]... [--variant NAME]... [--without cycles|mitsuba|luxcore]... [--size N] [--samples N] [--runs N] [--bounces N]
 
 The cloud and the smoke are one grid of 64 x 64 x 64 densities, made here; the smoke scatters and absorbs by colour. Skin is a ball in which light walks at random, which Cycles has and the others
 have not. One thread each, the programs take turns. The error is that of one picture, from pictures that differ in the seed only; seconds are of processor time, of the render call of Mitsuba and
@@ -90,8 +90,8 @@ class Kajo(peers.Kajo):
 
 
 class Mitsuba(peers.Mitsuba):
-    def __init__(self, options):
-        super().__init__("scalar_rgb", options.size, options.samples, EYE, TARGET, VIEW_ANGLE)
+    def __init__(self, options, variant):
+        super().__init__(variant, options.size, options.samples, EYE, TARGET, VIEW_ANGLE)
         mi, T = self.mi, self.mi.ScalarTransform4f
         scattering, absorption, g = (np.array(v) for v in MEDIA[options.scene])
         extinction = scattering + absorption
@@ -192,6 +192,7 @@ def main():
     parser.add_argument("folder", type=lambda name: pathlib.Path(name).resolve())
     parser.add_argument("--scene", choices=["cloud", "smoke", "skin"], default="cloud")
     parser.add_argument("--kajo", action="append", help="any number of programs; kajo where none is named")
+    parser.add_argument("--variant", action="append", help="Mitsuba's, with LLVM where it is one of llvm; scalar_rgb where none is named")
     parser.add_argument("--without", action="append", default=[], choices=["cycles", "mitsuba", "luxcore"])
     for name, default in (("size", 96), ("samples", 32), ("runs", 4), ("bounces", 64)):
         parser.add_argument(f"--{name}", type=int, default=default)
@@ -200,9 +201,11 @@ def main():
     options.density, options.grid = densities(), options.folder / "grid.vdb"
     write_vdb(options.grid, options.density)
     programs = [Kajo(options, program) for program in options.kajo or ["kajo"]]
-    others = {"mitsuba": Mitsuba, "cycles": Cycles, "luxcore": LuxCore}
+    others = {"cycles": Cycles, "luxcore": LuxCore}
     # Skin is a walk of Cycles.
     asked = ["cycles"] if options.scene == "skin" else others
+    if options.scene != "skin" and "mitsuba" not in options.without:
+        programs += [Mitsuba(options, variant) for variant in options.variant or ["scalar_rgb"]]
     programs += [others[name](options) for name in asked if name not in options.without]
     peers.rows_by_variance(programs, options.runs)
 
