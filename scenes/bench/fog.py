@@ -2,7 +2,7 @@
 """Fog with lights in it, path traced by kajo, Mitsuba 3 (`volpathmis`) and Blender's Cycles: what an error costs.
 
     pip install mitsuba bpy numpy
-    scenes/bench/fog.py DIR [--lights spot|spots|points] [--kajo FILE]... [--size N] [--samples N] [--runs N] [--bounces N] [--without-cycles] [--without-mitsuba]
+    scenes/bench/fog.py DIR [--lights spot|spots|points] [--kajo FILE]... [--size N] [--samples N] [--runs N] [--bounces N] [--variant NAME]... [--without-cycles] [--without-mitsuba]
 
 A closed room of one matt colour is filled with a homogeneous medium. One thread each, the programs take turns. The error is that of one picture, from
 pictures that differ in the seed only, of all pixels and of all but the worst one in a hundred, which for points of light are those that show them; seconds are of processor time, of the render call of Mitsuba, and of all of kajo's and Cycles' work less

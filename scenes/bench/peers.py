@@ -15,6 +15,11 @@ def numbers(values):
     return " ".join(f"{v:g}" for v in values)
 
 
+def pov_vector(values):
+    """A vector in POV-Ray's language."""
+    return f"<{', '.join(f'{v:g}' for v in values)}>"
+
+
 def row(name, errors, seconds, mean):
     """A row below `HEADER`: squared errors of all values, and of all but the largest one in a hundred."""
     errors = np.sort(errors, axis=None)
@@ -280,3 +285,17 @@ def rows_by_variance(programs, runs):
         stack *= wanted / mean
         seconds = float(np.median([seconds for _, seconds in of_program]))
         print(row(program.name, stack.var(axis=0, ddof=1), seconds, mean), flush=True)
+
+
+def rows_by_reference(references, runs):
+    """Prints a table of errors against references, relative to their squared mean.
+
+    `references` has the name of each program and the picture that its errors are against, `runs` what each program gave in each
+    run: a picture and seconds."""
+    print("| program | squared error | of 99 % | of 90 % | seconds | mean |\n|---|---|---|---|---|---|")
+    for (name, reference), results in zip(references, zip(*runs)):
+        errors = np.mean([((picture - reference) ** 2).mean(-1) for picture, _ in results], axis=0) / reference.mean() ** 2
+        seconds = float(np.median([seconds for _, seconds in results]))
+        errors, mean = np.sort(errors, axis=None), np.mean([picture.mean() for picture, _ in results])
+        parts = " | ".join(f"{errors[: errors.size * share // 100].mean():.2e}" for share in (100, 99, 90))
+        print(f"| {name} | {parts} | {seconds:.2f} | {mean:.4f} |", flush=True)

@@ -13,7 +13,7 @@ import pathlib
 
 import numpy as np
 import peers
-from peers import numbers
+from peers import numbers, pov_vector as vector
 
 BOUNCES = 3
 GREY, RED, GREEN = (0.75, 0.75, 0.75), (0.7, 0.15, 0.1), (0.15, 0.6, 0.2)
@@ -65,7 +65,6 @@ class Kajo(peers.Kajo):
 class PovRay(peers.PovRay):
     def __init__(self, options, name, settings):
         scene = SCENES[options.scene]
-        vector = lambda v: f"<{', '.join(f'{x:g}' for x in v)}>"
         finish = "finish { ambient 0 diffuse 1 }"
         boxes = "\n".join(f"box {{ {vector(low)}, {vector(high)} pigment {{ rgb {vector(c)} }} {finish} }}" for low, high, c in scene["boxes"])
         glass = (
@@ -120,13 +119,7 @@ def main():
     reference, _ = Kajo(options, "reference", by).render(options.reference, 100)
     found = programs(options)
     runs = [[run(seed) for _, run in found] for seed in range(1, options.runs + 1)]
-    print("| program | squared error | of 99 % | of 90 % | seconds | mean |\n|---|---|---|---|---|---|")
-    for (name, _), results in zip(found, zip(*runs)):
-        errors = np.mean([((picture - reference) ** 2).mean(-1) for picture, _ in results], axis=0) / reference.mean() ** 2
-        seconds = float(np.median([seconds for _, seconds in results]))
-        errors, mean = np.sort(errors, axis=None), np.mean([picture.mean() for picture, _ in results])
-        parts = " | ".join(f"{errors[: errors.size * share // 100].mean():.2e}" for share in (100, 99, 90))
-        print(f"| {name} | {parts} | {seconds:.2f} | {mean:.4f} |", flush=True)
+    peers.rows_by_reference([(name, reference) for name, _ in found], runs)
 
 
 if __name__ == "__main__":

@@ -23,10 +23,10 @@ use super::microfacet::NormalDistribution;
 
 /// Nodes of the cosine, of the azimuth in a quarter, of the ratio of both roughnesses, of the greater one, and of the index.
 pub(super) const COSINES: usize = 16;
-pub(super) const TURNS: usize = 9;
+pub(super) const TURNS: usize = 13;
 pub(super) const ASPECTS: usize = 7;
 pub(super) const ALPHAS: usize = 10;
-pub(super) const INDICES: usize = 8;
+pub(super) const INDICES: usize = 12;
 
 /// Nodes of everything but directions.
 pub(super) const SURFACES: usize = ASPECTS * ALPHAS * INDICES;

@@ -300,28 +300,41 @@ fn nano_grids_have_numbers_of_every_kind() {
     assert_eq!(read::<[f32; 3]>(&other, 0).err().unwrap(), "the grid `v` has 1 numbers in a voxel, not 3");
 }
 
+/// A file that is cut off is refused, and one with other bits somewhere is either refused or read.
+fn refuse_damaged<T: VoxelValue>(bytes: &[u8]) {
+    let step = bytes.len() / 100 + 1;
+    for len in (8..bytes.len()).step_by(step) {
+        assert!(read::<T>(&bytes[..len], 0).is_err(), "{len}");
+    }
+    for at in (0..bytes.len()).step_by(step).chain(0..300.min(bytes.len())) {
+        let mut damaged = bytes.to_vec();
+        damaged[at] ^= 0xff;
+        let _ = read::<T>(&damaged, 0);
+    }
+}
+
 #[test]
 fn damaged_nano_files_are_refused() {
     let mut grid = VdbGrid::new("d", VdbKind::Float, VdbMap::Uniform(1.0));
     (0..200).for_each(|k| grid.set([k % 9, k / 9, k % 4], [k as f32; 3]));
-    let kinds = [NanoKind::Float, NanoKind::Double, NanoKind::CodesByLeaf];
-    for (compression, kind) in
-        [VdbCompression::None, VdbCompression::Zip, VdbCompression::Blosc].into_iter().zip(kinds)
-    {
-        let bytes = nano_vdb::to_bytes_as(std::slice::from_ref(&grid), &[kind], compression);
-        let step = bytes.len() / 100 + 1;
-        for len in (8..bytes.len()).step_by(step) {
-            assert!(read::<f32>(&bytes[..len], 0).is_err(), "{len}");
-        }
-        for at in (0..bytes.len()).step_by(step).chain(0..300.min(bytes.len())) {
-            let mut damaged = bytes.clone();
-            damaged[at] ^= 0xff;
-            let _ = read::<f32>(&damaged, 0);
-        }
-    }
-    // All entries of a node are one child, which costs no more than the bytes of the file.
-    let mut bytes = nano_vdb::to_bytes(&[grid], VdbCompression::None);
+    let as_kind =
+        |kind, compression| nano_vdb::to_bytes_as(std::slice::from_ref(&grid), &[kind], compression);
+    let numbers = [NanoKind::Float, NanoKind::Double, NanoKind::CodesByLeaf]
+        .into_iter()
+        .chain((2..5).map(NanoKind::Codes))
+        .map(|kind| as_kind(kind, VdbCompression::None));
+    let packed =
+        [VdbCompression::Zip, VdbCompression::Blosc].map(|packing| as_kind(NanoKind::Float, packing));
+    numbers.chain(packed).for_each(|bytes| refuse_damaged::<f32>(&bytes));
+    let vectors = [NanoKind::Vec3, NanoKind::DoubleVec3].map(|kind| as_kind(kind, VdbCompression::None));
+    vectors.iter().for_each(|bytes| refuse_damaged::<[f32; 3]>(bytes));
     let upper = 16 + 176 + 2 + 672 + 64 + 96;
+    let leaf = upper + 8256 + 8 * 32_768 + 1088 + 8 * 4096;
+    let mut bytes = as_kind(NanoKind::CodesByLeaf, VdbCompression::None);
+    bytes[leaf + 15] |= 0xe0;
+    assert_eq!(read::<f32>(&bytes, 0).err().unwrap(), "a leaf of it has codes of 128 bits");
+    // All entries of a node are one child, which costs no more than the bytes of the file.
+    let mut bytes = as_kind(NanoKind::Float, VdbCompression::None);
     let (masks, table) = (upper + 32 + 4096, upper + 8256);
     let child: [u8; 8] = bytes[table..table + 8].try_into().unwrap();
     bytes[masks..masks + 4096].fill(0xff);

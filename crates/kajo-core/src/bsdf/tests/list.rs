@@ -218,7 +218,7 @@ pub fn families() -> Vec<Family> {
             name: "scratched glass, Beckmann",
             lobe: |a| glass(1.5, anisotropic(NormalDistribution::Beckmann, a)),
             lossless: true,
-            tolerance: 0.009,
+            tolerance: 0.007,
         },
         Family {
             name: "grooved diamond",
@@ -230,7 +230,7 @@ pub fn families() -> Vec<Family> {
             name: "brushed bubble",
             lobe: |a| glass(1.0 / 1.33, Microfacets::brushed(NormalDistribution::Ggx, a, 0.5)),
             lossless: true,
-            tolerance: 0.012,
+            tolerance: 0.007,
         },
         Family {
             name: "brushed plastic",

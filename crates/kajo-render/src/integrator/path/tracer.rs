@@ -30,6 +30,7 @@ use crate::integrator::transport::{
 use crate::trail::{About, PathObserver, RayKind};
 pub use casters::Casters;
 pub use caustics::ThroughGlass;
+use colors::SplitPath;
 pub use indirect::{DiffuseVertex, GuidedDirection, Indirect, IndirectLight, Sampled, Worth};
 
 /// A path from the camera, and what the weights of the light that it hits go by.
@@ -236,8 +237,8 @@ pub(in crate::integrator) struct PathTracer<'a, 's, O: PathObserver, C> {
     beside: Option<Spectrum>,
     /// Vertices with branches that remain to be followed; those of the last one are next.
     forks: Vec<Fork<'s, O::Mark>>,
-    /// Colours that remain to be followed of a path that goes on as three.
-    colors: Vec<(CameraPath<'s>, O::Mark)>,
+    /// The path whose colours are followed one after the other.
+    split: Option<SplitPath<'s, O::Mark>>,
 }
 
 impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
@@ -255,8 +256,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let begins_in_medium = false;
         let lights = settings.light_selection();
         let estimate = Estimate { light, sensed, groups, first: None, begins_in_medium, albedo: None };
-        let colors = Vec::new();
-        PathTracer { view, settings, lights, observer, estimate, indirect, beside: None, forks, colors }
+        PathTracer { view, settings, lights, observer, estimate, indirect, beside: None, forks, split: None }
     }
 
     /// The same with another choice of lights than that of the settings.
@@ -548,14 +548,13 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let Some(wi) = local.to_local(li.wi) else { return };
         let towards = TwoFrames { local: wi, world: li.wi };
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
-        let segment = surface.at.point.ray_to(&li.at, li.wi, path.state.ray.time);
         let crosses = wi.z * local.wo.z < 0.0;
-        let beyond =
-            surface.interface.filter(|_| crosses).map(|interface| path.state.media.across(&interface));
-        if scattered.is_black() || self.leaves_to_colors(path, beyond.as_ref()) {
+        if scattered.is_black() || (crosses && self.finds_light_by_colors(path, surface)) {
             return;
         }
         let state = &mut path.state;
+        let segment = surface.at.point.ray_to(&li.at, li.wi, state.ray.time);
+        let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
         let media = beyond.as_ref().unwrap_or(&state.media);
         if state.carries_media {
             let pdf_by_scattering = self.pdf_of_path(bsdf, local.wo, towards);
