@@ -15,7 +15,7 @@ import re
 
 import numpy as np
 import peers
-from peers import numbers
+from peers import numbers, pov_vector as vector
 
 EXAMPLES = pathlib.Path("/usr/share/doc/povray/examples")
 
@@ -70,7 +70,7 @@ class RadiosityTutorial:
 
     # What is gathered is light of the sky alone, by `recursion_limit 1`.
     BY = ["--bounces", 0]
-    CASES = [("path", 4), ("path", 16), ("path", 64)]
+    CASES = [("path", 4), ("path", 16), ("path", 64), ("irradiance --rays 64 --accuracy 0.05", 2), ("irradiance --rays 256", 4), ("irradiance", 16)]
     REFERENCE = ("path", 4096)
 
 
@@ -106,7 +106,7 @@ class CornellBox:
         return {"as it is": [], "radiosity 800, 0.25": better(800, 0.25), "reference": better(1600, 0.1)}
 
     BY = ["--bounces", 4]
-    CASES = [("path", 4), ("path", 16), ("path", 64), ("irradiance", 4), ("irradiance", 16)]
+    CASES = [("path", 4), ("path", 16), ("path", 64), ("irradiance --rays 512", 16), ("irradiance", 4), ("irradiance", 16), ("irradiance", 64)]
     REFERENCE = ("path", 4096)
 
 
@@ -152,7 +152,6 @@ def povray(options, name, edits):
     """The sample with our camera and other edits, each of which changes one place."""
     scene = SCENES[options.scene]
     text = (options.examples / scene.FILE).read_text()
-    vector = lambda v: f"<{', '.join(f'{x:g}' for x in v)}>"
     camera = f"camera {{ perspective location {vector(scene.EYE)} right -x up y angle {scene.ANGLE} look_at {vector(scene.TARGET)} }}"
     for pattern, replacement in [(r"camera\s*\{[^}]*\}", camera), *edits]:
         text, count = re.subn(pattern, lambda _: replacement, text)
@@ -164,7 +163,7 @@ def povray(options, name, edits):
 def kajo(options, integrator):
     scene = SCENES[options.scene]
     camera = f"PerspectiveCamera {{ center {numbers(scene.EYE)}  direction {numbers(np.subtract(scene.TARGET, scene.EYE))}  up 0 1 0  angle {scene.ANGLE} }}\n"
-    return peers.Kajo(options.kajo, options.folder, options.scene, options.size, camera + scene.text(), ["--integrator", integrator, *scene.BY, "--filter", "box", "1"])
+    return peers.Kajo(options.kajo, options.folder, options.scene, options.size, camera + scene.text(), ["--integrator", *integrator.split(), *scene.BY, "--filter", "box", "1"])
 
 
 def main():
@@ -189,13 +188,7 @@ def main():
         found.append((f"`{integrator}`, {samples} samples", lambda seed, program=program, samples=samples: program.render(samples, seed), reference))
     runs = [[run(seed) for _, run, _ in found] for seed in range(1, options.runs + 1)]
     print(f"means of the references: kajo {reference.mean():.4f}, POV-Ray {other.mean():.4f}")
-    print("| program | squared error | of 99 % | of 90 % | seconds | mean |\n|---|---|---|---|---|---|")
-    for (name, _, against), results in zip(found, zip(*runs)):
-        errors = np.mean([((picture - against) ** 2).mean(-1) for picture, _ in results], axis=0) / against.mean() ** 2
-        seconds = float(np.median([seconds for _, seconds in results]))
-        errors, mean = np.sort(errors, axis=None), np.mean([picture.mean() for picture, _ in results])
-        parts = " | ".join(f"{errors[: errors.size * share // 100].mean():.2e}" for share in (100, 99, 90))
-        print(f"| {name} | {parts} | {seconds:.2f} | {mean:.4f} |", flush=True)
+    peers.rows_by_reference([(name, against) for name, _, against in found], runs)
 
 
 if __name__ == "__main__":

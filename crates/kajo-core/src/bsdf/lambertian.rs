@@ -24,18 +24,29 @@ impl Bsdf<'_> {
         (!reflectance.is_black()).then_some(reflectance)
     }
 
+    /// Whether it scatters no light but by its Lambertian part.
+    #[inline]
+    pub fn is_lambertian(&self) -> bool {
+        match self {
+            Bsdf::Lambert(lobe) => lobe.transmittance.is_black(),
+            Bsdf::Phong(lobes) => lobes.is_even(),
+            _ => false,
+        }
+    }
+
     /// The share of [`Bsdf::eval`] that does not belong to the Lambertian part, by lane in [0, 1].
     ///
     /// * `wo`, `wi`: as for `eval`, of the radiance that a path from the camera gathers
     pub fn beside_lambertian(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        if self.is_lambertian() {
+            return Spectrum::BLACK;
+        }
         let evenly = match self {
-            Bsdf::Lambert(lobe) if lobe.transmittance.is_black() => return Spectrum::BLACK,
             Bsdf::Lambert(lobe) => lobe.without_transmission().eval(wo, wi),
             Bsdf::BumpedDiffuse(lobe) => match lobe.without_transmission() {
                 Some(lobe) => lobe.eval(wo, wi, Transport::Radiance),
                 None => return Spectrum::WHITE,
             },
-            Bsdf::Phong(lobes) if lobes.is_even() => return Spectrum::BLACK,
             Bsdf::Phong(lobes) => lobes.without_gloss().eval(wo, wi, Transport::Radiance),
             _ => return Spectrum::WHITE,
         };
@@ -67,7 +78,9 @@ mod tests {
             transmittance: Spectrum::rgb(0.2, 0.4, 0.1),
         });
         let wo = Vec3::new(0.6, 0.0, 0.8);
-        for bsdf in [leaf, glossy(), Bsdf::Lambert(Lambert::new(Spectrum::rgb(0.5, 0.0, 0.2)))] {
+        let matt = Bsdf::Lambert(Lambert::new(Spectrum::rgb(0.5, 0.0, 0.2)));
+        for (bsdf, is_lambertian) in [(leaf, false), (glossy(), false), (matt, true)] {
+            assert_eq!(bsdf.is_lambertian(), is_lambertian);
             let reflectance = bsdf.lambertian_reflectance().unwrap();
             for wi in [Vec3::new(0.0, 0.6, 0.8), Vec3::new(-0.6, 0.0, 0.8), Vec3::new(0.48, 0.36, -0.8)] {
                 let all = bsdf.eval(wo, wi, Transport::Radiance);

@@ -15,7 +15,7 @@
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::RayOffset;
 use kajo_core::bsdf::Transport;
-use kajo_core::light::BoundingSphere;
+use kajo_core::light::{BoundingSphere, LightId};
 use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::settings::Gradients;
 use kajo_math::rng::mix;
@@ -25,6 +25,7 @@ use super::hemisphere::{Derivatives, Hemisphere, RayResult, Strata};
 use super::mesh::eigenvalues;
 use super::octree::Octree;
 use super::record::{GatheredRecord, IrradianceQuery, Record};
+use super::record_bvh::RecordBvh;
 use super::{Cache, IrradianceSettings};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::path::{
@@ -44,7 +45,7 @@ const SPACINGS: [u32; 4] = [16, 8, 4, 2];
 const ROUND: usize = 128;
 
 /// The weight of all records that cover a position together, so that there are mostly several, and none ends in sight.
-pub const COVERED: f32 = 0.3;
+const COVERED: f32 = 0.3;
 
 /// The least and the largest radius, in pixels.
 const RADII: [f32; 2] = [1.5, 20.0];
@@ -61,10 +62,28 @@ pub struct Builder<'b, 'a> {
     /// Paths to the surfaces that are seen.
     paths: &'b Path<'a>,
     settings: IrradianceSettings,
+    /// The background, where its light is kept too.
+    even_sky: Option<LightId>,
     /// How light comes to a record.
     path_settings: PathSettings,
     strata: Strata,
     setup: &'b Setup<'b>,
+}
+
+/// The records so far.
+struct GrowingCache {
+    tree: Octree,
+    /// As for [`Cache`].
+    turn: f32,
+    /// As for [`Cache`].
+    is_needed: bool,
+}
+
+impl GrowingCache {
+    /// Whether no more records are needed for a position.
+    fn covers(&self, at: &IrradianceQuery) -> bool {
+        self.tree.weight(at, self.turn) >= COVERED
+    }
 }
 
 /// A pixel that asks for a record.
@@ -90,14 +109,16 @@ struct ProposalVertex {
 
 impl<'b, 'a> Builder<'b, 'a> {
     /// * `paths`: of a picture without layers
+    /// * `even_sky`: the background, where its light is kept too
     pub fn new(
         view: &'b CameraView<'a>,
         paths: &'b Path<'a>,
         settings: IrradianceSettings,
+        even_sky: Option<LightId>,
         setup: &'b Setup<'b>,
     ) -> Builder<'b, 'a> {
         let path_settings = PathSettings { free_mirrors: 0, ..settings.paths() };
-        Builder { view, paths, settings, path_settings, strata: Strata::of(settings.rays), setup }
+        Builder { view, paths, settings, even_sky, path_settings, strata: Strata::of(settings.rays), setup }
     }
 
     /// The cache, and the rays that it took.
@@ -110,18 +131,18 @@ impl<'b, 'a> Builder<'b, 'a> {
         let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
         let tree = Octree::new(world.center, world.radius);
         let turn = self.settings.accuracy.clamp(1e-4, LARGEST_TURN);
-        let mut cache = Cache { tree, turn, is_needed: false };
+        let mut growing = GrowingCache { tree, turn, is_needed: false };
         let mut rays = RayCounters::default();
         if let Some(kept) = &mut kept {
-            self.start_from(kept, &mut cache);
+            self.start_from(kept, &mut growing);
         }
         for spacing in SPACINGS {
-            let (mut proposals, cast) = self.proposals(spacing, &mut cache)?;
+            let (mut proposals, cast) = self.proposals(spacing, &mut growing)?;
             rays += cast;
             proposals.sort_unstable_by_key(|proposal| (proposal.priority, proposal.pixel));
             let mut rest = proposals.into_iter();
             loop {
-                let uncovered = rest.by_ref().filter(|proposal| !cache.covers(&proposal.at));
+                let uncovered = rest.by_ref().filter(|proposal| !growing.covers(&proposal.at));
                 let round: Vec<Proposal> = uncovered.take(ROUND).collect();
                 if round.is_empty() {
                     break;
@@ -131,49 +152,54 @@ impl<'b, 'a> Builder<'b, 'a> {
                 {
                     rays += cast;
                     if let Some((at, gathered, pixel_size)) = record
-                        && !cache.covers(&at)
+                        && !growing.covers(&at)
                     {
-                        cache.tree.insert_clamped(self.fitted(&gathered, pixel_size));
+                        growing.tree.insert_clamped(self.fitted(&gathered, pixel_size));
                         if let Some(kept) = &mut kept {
                             kept.push(gathered);
                         }
                     }
                 }
-                self.check_memory(&cache)?;
+                self.check_memory(&growing)?;
             }
         }
-        Ok((cache, rays))
+        let GrowingCache { tree, turn, is_needed } = growing;
+        Ok((Cache { records: RecordBvh::new(tree.into_records()), turn, is_needed }, rays))
     }
 
     /// Adds records that another camera has needed; too many are forgotten.
-    fn start_from(&self, kept: &mut Vec<GatheredRecord>, cache: &mut Cache) {
+    fn start_from(&self, kept: &mut Vec<GatheredRecord>, growing: &mut GrowingCache) {
         let room = self.setup.memory / 4;
         let pixel_sizes = self.pixel_sizes().filter(|_| size_of_val(&**kept) as u64 <= room);
         let Some(pixel_size) = pixel_sizes else { return kept.clear() };
         for gathered in kept {
             let size = pixel_size(gathered.record.p);
             if size > 0.0 {
-                cache.tree.insert_clamped(self.fitted(gathered, size));
+                growing.tree.insert_clamped(self.fitted(gathered, size));
             }
         }
     }
 
-    fn check_memory(&self, cache: &Cache) -> Result<(), SetupError> {
+    fn check_memory(&self, growing: &GrowingCache) -> Result<(), SetupError> {
         // The arrays grow by doubling.
-        if 2 * cache.tree.bytes() <= self.setup.memory {
+        if 2 * growing.tree.bytes() <= self.setup.memory {
             return Ok(());
         }
-        let (records, memory) = (cache.tree.records().len(), self.setup.memory >> 20);
+        let (records, memory) = (growing.tree.records().len(), self.setup.memory >> 20);
         Err(SetupError::Refused(format!(
             "more than {records} records of irradiance are needed, and there are {memory} MB for them; ask for a larger `accuracy`"
         )))
     }
 
     /// The pixels of a grid whose surfaces the cache does not cover.
-    fn proposals(&self, spacing: u32, cache: &mut Cache) -> Result<(Vec<Proposal>, RayCounters), SetupError> {
+    fn proposals(
+        &self,
+        spacing: u32,
+        growing: &mut GrowingCache,
+    ) -> Result<(Vec<Proposal>, RayCounters), SetupError> {
         let [columns, rows] = self.view.size;
         let first = (spacing / 2).min(columns.min(rows) / 2);
-        let known: &Cache = cache;
+        let known: &GrowingCache = growing;
         let found = self.setup.tasks(rows.saturating_sub(first).div_ceil(spacing), |row| {
             let sampler = Sampler::new(SamplerKind::Sobol, 1);
             let mut ctx = SampleContext::new(&sampler, mix(self.setup.seed ^ SALTS[0]));
@@ -192,7 +218,7 @@ impl<'b, 'a> Builder<'b, 'a> {
         let (mut all, mut rays) = (Vec::new(), RayCounters::default());
         for (proposals, is_needed, cast) in found {
             all.extend(proposals);
-            cache.is_needed |= is_needed;
+            growing.is_needed |= is_needed;
             rays += cast;
         }
         Ok((all, rays))
@@ -206,7 +232,8 @@ impl<'b, 'a> Builder<'b, 'a> {
         let ray = self.view.ray(raster, &mut draws)?;
         let footprint = self.view.footprint(&ray, raster, ctx.draws).unwrap_or_default();
         let mut counting = Counting::new(ctx);
-        let look = FirstDiffuseVisitor { last: Some(ray.o), ..FirstDiffuseVisitor::from_camera() };
+        let look =
+            FirstDiffuseVisitor { last: Some(ray.o), ..FirstDiffuseVisitor::from_camera(self.even_sky) };
         let (_, look) = self.paths.observe_with(ctx, raster, &mut counting, look);
         ctx.rays = counting.rays;
         let mut seen = look.seen?;
@@ -242,8 +269,8 @@ impl<'b, 'a> Builder<'b, 'a> {
         Hemisphere { strata, rays: rays.collect() }
     }
 
-    /// Follows a ray from a record: the light that comes along it but for direct light and caustics, and one over the distance of what
-    /// it comes from.
+    /// Follows a ray from a record: the light that comes along it but for direct light and caustics of all lights but an
+    /// even sky, and one over the distance of what it comes from.
     fn trace_incident(
         &self,
         seen: &ProposalVertex,
@@ -267,9 +294,11 @@ impl<'b, 'a> Builder<'b, 'a> {
             state.lanes = LaneMis::new(&wavelengths, u);
         }
         counting.counters().reflected += 1;
-        let from = FromRecord { p: point.p, inverse_distance: 0.0, is_clear: true };
+        let from = FromRecord { p: point.p, even_sky: self.even_sky, inverse_distance: 0.0, is_clear: true };
         let mut tracer = PathTracer::new(self.view, &self.path_settings, counting, from, Vec::new());
-        let (radiance, _) = tracer.run(CameraPath::from_surface(state));
+        let mut path = CameraPath::from_surface(state);
+        path.ends_at_lights = self.settings.bounces == 0;
+        let (radiance, _) = tracer.run(path);
         let (_, from) = tracer.into_parts();
         let is_finite = radiance.iter().all(|v| v.is_finite());
         (if is_finite { radiance } else { [0.0; 3] }, from.inverse_distance)
@@ -361,6 +390,7 @@ impl<'b, 'a> Builder<'b, 'a> {
 
 /// Follows a path to the surface whose light is to be known.
 pub struct FirstDiffuseVisitor {
+    even_sky: Option<LightId>,
     /// Where the path has been last.
     last: Option<Vec3>,
     length: f32,
@@ -369,8 +399,8 @@ pub struct FirstDiffuseVisitor {
 
 impl FirstDiffuseVisitor {
     /// That of a path that begins.
-    pub fn from_camera() -> FirstDiffuseVisitor {
-        FirstDiffuseVisitor { last: None, length: 0.0, seen: None }
+    pub fn from_camera(even_sky: Option<LightId>) -> FirstDiffuseVisitor {
+        FirstDiffuseVisitor { even_sky, last: None, length: 0.0, seen: None }
     }
 
     /// The position whose light was to be known.
@@ -401,11 +431,16 @@ impl IndirectLight for FirstDiffuseVisitor {
             self.last = Some(p);
         }
     }
+
+    fn even_sky(&self) -> Option<LightId> {
+        self.even_sky
+    }
 }
 
 /// Watches a path that begins at a record.
 struct FromRecord {
     p: Vec3,
+    even_sky: Option<LightId>,
     inverse_distance: f32,
     /// Whether nothing but mirrors and glass was met.
     is_clear: bool,
@@ -428,5 +463,9 @@ impl IndirectLight for FromRecord {
     /// What comes straight from a light, or by way of mirrors and glass, is no indirect light.
     fn counts_lights(&self) -> bool {
         !self.is_clear
+    }
+
+    fn even_sky(&self) -> Option<LightId> {
+        self.even_sky
     }
 }

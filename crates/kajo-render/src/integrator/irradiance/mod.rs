@@ -2,7 +2,8 @@
 //! [Schwarzhaupt, Jensen and Jarosz 2012].
 //!
 //! A surface that reflects evenly sends back `R/π E` in every direction, and the part of the irradiance `E` that was scattered before
-//! changes slowly from place to place. It is worked out for few points, by many rays each, and in between it is interpolated:
+//! changes slowly from place to place, as does that from a sky of one colour. It is worked out for few points, by many rays
+//! each, and in between it is interpolated:
 //!
 //! ```text
 //! L(x, wo) = direct light + caustics + R/π E(x, n) + glossy light,     E = sum of w_i E_i(x, n) / sum of w_i
@@ -17,11 +18,13 @@ mod hemisphere;
 mod mesh;
 mod octree;
 mod record;
+mod record_bvh;
 mod settings;
 
 use kajo_color::Spectrum;
 use kajo_core::camera::Camera;
-use kajo_core::scene::Scene;
+use kajo_core::light::{LightId, LightSelection};
+use kajo_core::scene::{Lighting, Scene};
 use kajo_math::{Vec2, Vec3};
 
 use super::Integrator;
@@ -31,8 +34,8 @@ use crate::trail::PathObserver;
 use crate::{KeptState, SamplesPerState, Setup, SetupError, WithState};
 use crate::{Layer, LayerSet, PixelSample, SampleContext};
 use builder::{Builder, FirstDiffuseVisitor};
-use octree::Octree;
 use record::{GatheredRecord, IrradianceQuery};
+use record_bvh::RecordBvh;
 pub use settings::{IRRADIANCE, IrradianceSettings};
 
 /// An irradiance cache over one scene and one picture size, before it has records: it follows paths.
@@ -43,6 +46,10 @@ pub struct IrradianceCaching<'a> {
     paths: Path<'a>,
     /// The same without layers.
     plain: Path<'a>,
+    /// The background, where its light is kept too.
+    even_sky: Option<LightId>,
+    /// Whether any other light is met by rays.
+    has_other_lights: bool,
     /// Whether the picture has the layer of records.
     wants_records: bool,
     /// What it starts from and adds to.
@@ -51,7 +58,7 @@ pub struct IrradianceCaching<'a> {
 
 /// The records.
 struct Cache {
-    tree: Octree,
+    records: RecordBvh,
     /// How far normals may be apart, as `1 - cos`.
     turn: f32,
     /// Whether any light was asked for.
@@ -90,18 +97,13 @@ impl Cache {
         if self.is_record(at) {
             return POINT_COLOR;
         }
-        let e = self.tree.irradiance(at, self.turn).unwrap_or_default();
+        let e = self.records.irradiance(at, self.turn).unwrap_or_default();
         e.map(|e| e * std::f32::consts::FRAC_1_PI)
     }
 
     /// Whether a position lies in the dot that stands for a record.
     fn is_record(&self, at: &IrradianceQuery) -> bool {
-        self.tree.is_record(at, self.turn, POINT)
-    }
-
-    /// Whether no more records are needed for a position.
-    fn covers(&self, at: &IrradianceQuery) -> bool {
-        self.tree.weight(at, self.turn) >= builder::COVERED
+        self.records.is_record(at, self.turn, POINT)
     }
 }
 
@@ -109,6 +111,17 @@ impl Cache {
 pub struct Cached<'a> {
     caching: &'a IrradianceCaching<'a>,
     cache: Cache,
+}
+
+/// The background, where it is of one colour and scattering alone finds it.
+///
+/// Not where there are groups of lights: their layers have no light that is kept.
+fn even_sky(scene: &Scene, settings: &IrradianceSettings) -> Option<LightId> {
+    let Lighting { lights, groups, .. } = &scene.lighting;
+    let by_scattering =
+        LightSelection::from(settings.light_choice).is_beside_scattering() && groups.len() <= 1;
+    let is_even = |id: &LightId| lights.is_background(*id) && lights.unevenness(*id) == 0.0;
+    lights.ids().find(|id| by_scattering && is_even(id))
 }
 
 impl<'a> IrradianceCaching<'a> {
@@ -131,14 +144,22 @@ impl<'a> IrradianceCaching<'a> {
         layers: LayerSet,
     ) -> IrradianceCaching<'a> {
         let none = LayerSet::of(&[]);
+        let (lights, even_sky) = (&scene.lighting.lights, even_sky(scene, &settings));
+        let is_met = |id: LightId| lights.object(id).is_some() || lights.is_seen_at_infinity(id);
         IrradianceCaching {
             view: CameraView::new(scene, camera, size, none),
             settings,
+            even_sky,
+            has_other_lights: scene.has_media() || lights.ids().any(|id| Some(id) != even_sky && is_met(id)),
             paths: Path::through(camera, scene, settings.paths(), size, layers),
             plain: Path::through(camera, scene, settings.paths(), size, none),
             wants_records: layers.has(Layer::CacheRecords),
             kept: None,
         }
+    }
+
+    fn builder<'b>(&'b self, setup: &'b Setup<'b>) -> Builder<'b, 'a> {
+        Builder::new(&self.view, &self.plain, self.settings, self.even_sky, setup)
     }
 }
 
@@ -169,7 +190,7 @@ impl Integrator for IrradianceCaching<'_> {
             before.map_or_else(Vec::new, |before| before.records)
         });
         let before = kept.as_ref().map_or(0, Vec::len);
-        let built = Builder::new(&self.view, &self.plain, self.settings, setup).build(kept.as_mut());
+        let built = self.builder(setup).build(kept.as_mut());
         // What there is when somebody stops it is as good.
         if let Some((slot, records)) = self.kept.as_ref().zip(kept) {
             slot.put(KeptRecords { settings: self.settings, records });
@@ -199,7 +220,7 @@ impl Integrator for Cached<'_> {
     ) -> PixelSample {
         let caching = self.caching;
         if !caching.settings.shows_records {
-            let lookup = Lookup { cache: &self.cache, bounces: 0, seen: None };
+            let lookup = Lookup { caching, cache: &self.cache, bounces: 0, seen: None };
             let (sample, lookup) = caching.paths.observe_with(ctx, raster, observer, lookup);
             if caching.wants_records {
                 ctx.aux.record =
@@ -207,8 +228,12 @@ impl Integrator for Cached<'_> {
             }
             return sample;
         }
-        let (sample, look) =
-            caching.paths.observe_with(ctx, raster, observer, FirstDiffuseVisitor::from_camera());
+        let (sample, look) = caching.paths.observe_with(
+            ctx,
+            raster,
+            observer,
+            FirstDiffuseVisitor::from_camera(caching.even_sky),
+        );
         let radiance = look.query().map_or([0.0; 3], |at| self.cache.shown(&at));
         observer.shown_instead(|| radiance);
         PixelSample { radiance, ..sample }
@@ -216,7 +241,8 @@ impl Integrator for Cached<'_> {
 }
 
 /// Looks light up.
-struct Lookup<'c> {
+struct Lookup<'c, 'a> {
+    caching: &'c IrradianceCaching<'a>,
     cache: &'c Cache,
     /// Of the path so far.
     bounces: u32,
@@ -224,7 +250,7 @@ struct Lookup<'c> {
     seen: Option<IrradianceQuery>,
 }
 
-impl IndirectLight for Lookup<'_> {
+impl IndirectLight for Lookup<'_, '_> {
     const IS_ASKED: bool = true;
 
     fn irradiance(&mut self, vertex: &DiffuseVertex<'_, '_>) -> Indirect {
@@ -233,7 +259,7 @@ impl IndirectLight for Lookup<'_> {
         if self.bounces == 0 {
             self.seen.get_or_insert(at);
         }
-        match self.cache.tree.irradiance(&at, self.cache.turn) {
+        match self.cache.records.irradiance(&at, self.cache.turn) {
             Some([r, g, b]) => Indirect::Irradiance(Spectrum::rgb(r, g, b)),
             None => Indirect::Unknown,
         }
@@ -241,6 +267,14 @@ impl IndirectLight for Lookup<'_> {
 
     fn hit(&mut self, bounces: u32, _p: Option<Vec3>) {
         self.bounces = bounces;
+    }
+
+    fn even_sky(&self) -> Option<LightId> {
+        self.caching.even_sky
+    }
+
+    fn scattering_finds_lights(&self) -> bool {
+        self.caching.has_other_lights
     }
 }
 

@@ -8,7 +8,7 @@
 //! over all records whose weight is positive. `d_i` is the distance as a share of the radius of validity, of which there are two in the
 //! tangent plane; `a_i` is 1 where the normals are as far apart as the accuracy allows. So records fade out where they end.
 
-use kajo_math::{Frame, Vec2, Vec3};
+use kajo_math::{Aabb, Frame, Vec2, Vec3};
 
 /// What is known of the irradiance around a point. The tangent plane has the axes of [`Frame::from_normal`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,9 +70,7 @@ impl Record {
         if turned >= 1.0 || 0.5 * d.dot(at.n + self.n) < LEAST_BEHIND * r2 {
             return 0.0;
         }
-        let Frame { s, t, .. } = Frame::from_normal(self.n);
-        let sin = (1.0 - self.axis * self.axis).max(0.0).sqrt();
-        let along = d.dot(self.axis * s + sin * t);
+        let along = d.dot(self.longer_axis());
         // All that is not along the axis, out of the tangent plane included.
         let across2 = (length2 - along * along).max(0.0);
         let distance = ((along / r1) * (along / r1) + across2 / (r2 * r2)).sqrt();
@@ -89,6 +87,23 @@ impl Record {
             let e = self.irradiance[i] + self.by_normal[i].dot(turned) + self.by_position[i].dot(moved);
             e.max(0.0)
         })
+    }
+
+    /// A box around the spheroid in which it holds, and the rounding errors of [`Record::weight`].
+    pub fn bounds(&self) -> Aabb {
+        let [r1, r2] = self.radii;
+        let axis = self.longer_axis();
+        let half = Vec3::splat(r2 * r2) + (r1 * r1 - r2 * r2) * axis * axis;
+        let half = half.max(Vec3::ZERO).map(f32::sqrt) * 1.001 + 1e-6 * self.p.abs();
+        Aabb { min: self.p - half, max: self.p + half }
+    }
+
+    /// Unit vector along the larger radius.
+    #[inline]
+    fn longer_axis(&self) -> Vec3 {
+        let Frame { s, t, .. } = Frame::from_normal(self.n);
+        let sin = (1.0 - self.axis * self.axis).max(0.0).sqrt();
+        self.axis * s + sin * t
     }
 
     /// The mean of the channels.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use kajo_core::light::LightChoice;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::settings::Gradients;
 use kajo_image::Image;
@@ -65,7 +66,7 @@ fn cached(scene: &Scene, settings: IrradianceSettings, size: [u32; 2], samples: 
 fn records(scene: &Scene, settings: IrradianceSettings, size: [u32; 2], seed: u64) -> Cache {
     let caching = IrradianceCaching::new(scene, settings, size, LayerSet::of(&[]));
     let setup = setup(seed);
-    Builder::new(&caching.view, &caching.plain, settings, &setup).build(None).unwrap().0
+    caching.builder(&setup).build(None).unwrap().0
 }
 
 /// All light is the same everywhere, so no record is wrong but by noise.
@@ -107,8 +108,8 @@ fn the_indirect_light_in_a_ball_is_even() {
         IrradianceSettings { rays: 8192, accuracy: 0.02, bounces: 40, ..with(Gradients::Occlusion) };
     let caching = IrradianceCaching::new(&scene, settings, size, LayerSet::of(&[]));
     let setup = Setup { threads: 2, ..setup(1) };
-    let (cache, rays) = Builder::new(&caching.view, &caching.plain, settings, &setup).build(None).unwrap();
-    let n = cache.tree.records().len();
+    let (cache, rays) = caching.builder(&setup).build(None).unwrap();
+    let n = cache.records.records().len();
     assert!((8..200).contains(&n), "{n} records");
     assert!(rays.reflected > 8000 * n as u64);
     let expected = 0.5 / (1.0 - 0.5);
@@ -119,10 +120,14 @@ fn the_indirect_light_in_a_ball_is_even() {
         let pixel = [i % 48, i / 48];
         let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + ctx.begin(pixel, 0);
         let mut counting = crate::trail::Counting::new(&ctx);
-        let (_, look) =
-            caching.plain.observe_with(&mut ctx, raster, &mut counting, FirstDiffuseVisitor::from_camera());
+        let (_, look) = caching.plain.observe_with(
+            &mut ctx,
+            raster,
+            &mut counting,
+            FirstDiffuseVisitor::from_camera(None),
+        );
         let at = look.query().unwrap();
-        if let Some(e) = cache.tree.irradiance(&at, cache.turn) {
+        if let Some(e) = cache.records.irradiance(&at, cache.turn) {
             count += 1;
             let error = f64::from(e[1]) / expected - 1.0;
             sums = [sums[0] + error, sums[1] + error * error];
@@ -167,6 +172,65 @@ fn caches_and_paths_agree() {
     }
 }
 
+/// Light of a sky of one colour is kept too, whatever else a surface does than reflect evenly, and whether light is scattered before or not.
+/// So a single sample shows little noise.
+#[test]
+fn an_even_sky_is_kept() {
+    let size = [48, 48];
+    let pictures = |bounces: u32, materials: &str, light_choice: LightChoice| {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 1.5 5  direction 0 -0.3 -1  up 0 1 0  angle 40 }}
+             Background {{ color 0.9 1 1.2 }} Lights {{ DirectionalLight {{ direction 1 -2 -1  irradiance 0.2 }} }}
+             Materials {{ Matte ground {{ color 0.6 0.5 0.4 }}  {materials} }}
+             Group {{ MaterialIndex ground Plane {{ normal 0 1 0  offset 0 }}
+                      MaterialIndex a Sphere {{ center -1.2 0.6 0 radius 0.6 }}
+                      MaterialIndex b Box {{ min 0 0.4 -1 max 1.5 0.6 1 }}
+                      MaterialIndex c Sphere {{ center 0.2 0.2 1.4 radius 0.2 }} }}"
+        );
+        let scene = scene(&text);
+        let path = PathSettings { bounces, free_mirrors: bounces, ..PathSettings::default() };
+        let path = Path::new(&scene, path, size, LayerSet::of(&[Layer::Color]));
+        let of = |gradients| {
+            let settings =
+                IrradianceSettings { bounces, light_choice, rays: 1024, accuracy: 0.03, ..with(gradients) };
+            [1, 128].map(|samples| cached(&scene, settings, size, samples))
+        };
+        (
+            [1, 512].map(|samples| picture(&path, size, samples)),
+            ALL.map(|gradients| (gradients, of(gradients))),
+        )
+    };
+    fn squares(a: &Image, b: &Image) -> impl Iterator<Item = f64> {
+        std::iter::zip(a.data(), b.data()).map(|(a, b)| f64::from((a - b) * (a - b)))
+    }
+    // Without edges.
+    let noise = |a: &Image, b: &Image| {
+        let mut sorted: Vec<f64> = squares(a, b).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        sorted[..sorted.len() * 3 / 4].iter().sum::<f64>()
+    };
+    let matt = "Matte a { color 0.7 0.2 0.2 }  Matte b { color 0.5 0.5 0.5 }  Matte c { color 0.5 0.5 0.5 }";
+    let many = "Metal a { metal silver }  Glass c { }
+                Material b { diffuseColor 0.3 0.4 0.3  specularColor 0.4 0.4 0.4  exponent 30 }";
+    for (bounces, materials) in [(0, matt), (0, many), (20, matt), (20, many)] {
+        let ([noisy, expected], by_gradients) = pictures(bounces, materials, LightChoice::Tree);
+        for (gradients, [single, found]) in by_gradients {
+            let case = format!("{bounces} bounces, {gradients:?}");
+            let error = (mean(&found) / mean(&expected) - 1.0).abs();
+            assert!(error < 0.005, "{case}: {} instead of {}", mean(&found), mean(&expected));
+            let rms = (squares(&found, &expected).sum::<f64>() / expected.data().len() as f64).sqrt()
+                / mean(&expected);
+            assert!(rms < 0.025, "{case}: {rms}");
+            let ratio = noise(&single, &found) / noise(&noisy, &expected);
+            assert!(ratio < 0.03, "{case}: {ratio}");
+        }
+    }
+    // Skies that are drawn are no part of it.
+    let (_, [(_, [_, drawn]), ..]) = pictures(20, many, LightChoice::Uniform);
+    let ([_, expected], _) = pictures(20, many, LightChoice::Tree);
+    assert!((mean(&drawn) / mean(&expected) - 1.0).abs() < 0.005);
+}
+
 /// A floor beside a bright wall whose light it gets, with much fewer records the less accurate they are.
 #[test]
 fn the_error_falls_with_the_accuracy() {
@@ -187,7 +251,7 @@ fn the_error_falls_with_the_accuracy() {
         let found = cached(&scene, settings, size, 16);
         let squares = std::iter::zip(found.data(), exact.data()).map(|(a, b)| f64::from((a - b) * (a - b)));
         let error = (squares.sum::<f64>() / exact.data().len() as f64).sqrt() / mean(&exact);
-        let n = records(&scene, settings, size, 0).tree.records().len();
+        let n = records(&scene, settings, size, 0).records.records().len();
         assert!(error > last.0 && n < last.1, "{accuracy}: {error} by {n} records after {last:?}");
         last = (error, n);
     }

@@ -468,14 +468,17 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn add_background(&mut self, path: &CameraPath<'s>, d: Vec3) {
         if C::IS_ASKED {
             self.indirect.hit(path.bounces, None);
-            if !self.indirect.counts_lights() {
-                return;
-            }
         }
         let (scene, state) = (self.scene(), &path.state);
         let at = LightPoint::Infinite { through: path.receiver.p };
         let footprint = if C::WALKS { SkyFootprint::POINT } else { sky_footprint(state) };
         for hit in scene.lights_at_infinity(d, &footprint, &state.wavelengths) {
+            if C::IS_ASKED {
+                if let Some(weight) = self.weight_from_infinity(path, &hit, &at, d) {
+                    self.add_hit(state, state.beta * hit.radiance * weight, hit.group);
+                }
+                continue;
+            }
             let weight = match C::WALKS && !state.connectable {
                 true => self.weight_behind_glass(path, &hit, &at, d),
                 false => self.mis_weight(path, &hit, &at, d),

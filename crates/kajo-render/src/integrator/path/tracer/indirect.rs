@@ -13,6 +13,7 @@
 
 use kajo_color::{Spectrum, sensor};
 use kajo_core::bsdf::Bsdf;
+use kajo_core::light::{LightHit, LightId, LightPoint};
 use kajo_core::shading::Shading;
 use kajo_math::{Vec2, Vec3};
 
@@ -76,6 +77,16 @@ pub trait IndirectLight {
     /// Whether lights count that are met now.
     fn counts_lights(&self) -> bool {
         true
+    }
+
+    /// Whether light may be found by scattering from a surface whose irradiance is known.
+    fn scattering_finds_lights(&self) -> bool {
+        true
+    }
+
+    /// The background, where its light is part of the irradiance that is known. Scattering alone finds it.
+    fn even_sky(&self) -> Option<LightId> {
+        None
     }
 
     /// Whether directions are drawn with the help of a guide; where not, all of what follows is compiled away.
@@ -182,7 +193,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         local: &LocalFrame,
         shading: &Shading,
     ) -> Option<bool> {
-        if path.bounces != 0 || self.settings.bounces == 0 {
+        if path.bounces != 0 || (self.settings.bounces == 0 && self.indirect.even_sky().is_none()) {
             return None;
         }
         let reflectance = bsdf.lambertian_reflectance()?;
@@ -201,6 +212,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         self.observer.found(|| sensor::to_rgb(light, &path.state.wavelengths));
         self.estimate.light += light;
         self.add_direct_light(path, surface, bsdf, local);
+        if bsdf.is_lambertian() && !self.indirect.scattering_finds_lights() {
+            return Some(false);
+        }
         let shaded = Shaded { surface, bsdf, local };
         if !path.go_on(self.scene(), self.settings, shaded, Part::All, self.observer) {
             return Some(false);
@@ -211,6 +225,23 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             self.beside = Some(beside);
         }
         Some(true)
+    }
+
+    /// The weight of light from infinitely far away that the path met; `None` where it does not count.
+    ///
+    /// An even sky that is part of the irradiance counts in full on the way from a record. On the way from a surface whose
+    /// irradiance was known, only what is scattered unevenly counts.
+    pub(super) fn weight_from_infinity(
+        &self,
+        path: &CameraPath<'s>,
+        hit: &LightHit,
+        at: &LightPoint,
+        d: Vec3,
+    ) -> Option<Spectrum> {
+        if self.indirect.even_sky() == Some(self.scene().lighting.sampler.id(hit.light)) {
+            return Some(self.beside.unwrap_or(Spectrum::WHITE));
+        }
+        self.indirect.counts_lights().then(|| Spectrum::WHITE * self.mis_weight(path, hit, at, d))
     }
 
     /// Leaves the path what it carries at a vertex that is no mirror, on its way from a surface whose indirect light was known; `false`
