@@ -50,7 +50,7 @@ fn octant(center: Vec3, half: f32, p: Vec3) -> (usize, Vec3) {
 impl Octree {
     /// A tree without records.
     ///
-    /// * `half`: half the width of a cube around `center` that holds all points of records
+    /// * `half`: half the width of a cube around `center` that holds most points of records; positive
     pub fn new(center: Vec3, half: f32) -> Octree {
         Octree { records: Vec::new(), before: Vec::new(), nodes: vec![EMPTY], center, half }
     }
@@ -71,8 +71,26 @@ impl Octree {
         (records + self.nodes.len() * size_of::<Node>()) as u64
     }
 
-    /// Adds a record whose radii are no larger than the root's width.
+    /// Makes the root wider until it holds a finite point, such as one of a plane without end.
+    fn grow(&mut self, p: Vec3) {
+        while (p - self.center).abs().max_element() > self.half {
+            let wider = self.center + self.half * Vec3::ONE.copysign(p - self.center);
+            let half = 2.0 * self.half;
+            if !(half.is_finite() && wider.is_finite()) {
+                return;
+            }
+            let (index, _) = octant(wider, half, self.center);
+            let inner = self.nodes.len() as u32;
+            self.nodes.push(self.nodes[0]);
+            self.nodes[0] = EMPTY;
+            self.nodes[0].children[index] = inner;
+            (self.center, self.half) = (wider, half);
+        }
+    }
+
+    /// Adds a record at a finite point whose radii are no larger than the root's width.
     pub fn insert(&mut self, record: Record) {
+        self.grow(record.p);
         let (mut at, mut center, mut half) = (0, self.center, self.half);
         for _ in 0..MOST_LEVELS {
             if half < 2.0 * record.radii[0] {
@@ -188,6 +206,24 @@ pub mod tests {
             found += usize::from(all > 0.0);
         }
         assert!(found > 100 && found < 400, "{found}");
+    }
+
+    /// Points far outside of the first cube are found again, at the level of their own size, and those inside still are.
+    #[test]
+    fn the_root_grows() {
+        let mut tree = Octree::new(Vec3::ZERO, 1.0);
+        let record = |p: Vec3| Record { p, n: Vec3::Y, radii: [0.01; 2], ..Record::default() };
+        let points = (0..400).map(|i| point(i) * if i % 2 == 0 { 1.0 } else { 300.0 }).collect::<Vec<_>>();
+        points.iter().for_each(|&p| tree.insert(record(p)));
+        for &p in &points {
+            let at = IrradianceQuery { p, n: Vec3::Y, relief: Vec3::Y };
+            assert_eq!(tree.weight(&at, 0.1), 1.0, "{p}");
+            let mut visited = 0;
+            tree.near(p, 0.0, &mut |_| visited += 1);
+            assert!(visited < 8, "{p}: {visited}");
+        }
+        tree.insert(record(Vec3::splat(f32::MAX)));
+        assert_eq!(tree.records().len(), 401);
     }
 
     #[test]
