@@ -70,7 +70,7 @@ class RadiosityTutorial:
 
     # What is gathered is light of the sky alone, by `recursion_limit 1`.
     BY = ["--bounces", 0]
-    CASES = [("path", 4), ("path", 16), ("path", 64), ("irradiance --rays 128", 4), ("irradiance --rays 512 --accuracy 0.02", 8), ("irradiance", 16)]
+    CASES = [("path", 4), ("path", 16), ("path", 64), ("irradiance --rays 128", 4), ("irradiance --rays 256 --accuracy 0.02", 8), ("irradiance", 16)]
     REFERENCE = ("path", 4096)
 
 
