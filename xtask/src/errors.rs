@@ -37,7 +37,7 @@ pub fn check(root: &Path, report: &mut Report, bless: bool) {
 
 /// What the script prints for the program of the release build.
 fn measure(root: &Path) -> Result<Vec<Figure>, String> {
-    let program = root.join("target/release").join(format!("kajo{}", std::env::consts::EXE_SUFFIX));
+    let program = steps::built(root, "release").join(format!("kajo{}", std::env::consts::EXE_SUFFIX));
     let script = root.join("scenes/bench/errors.sh");
     let output = Command::new("bash")
         .arg(script)

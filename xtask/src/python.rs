@@ -69,7 +69,7 @@ fn pytest(root: &Path, python: impl AsRef<OsStr>) -> Result<(), Vec<String>> {
         .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "crates/kajo-py/tests"])
         .env("PYTHONPATH", root.join("target/python"))
         .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("KAJO_PROGRAM", root.join("target/debug/kajo"))
+        .env("KAJO_PROGRAM", steps::built(root, "debug").join("kajo"))
         .current_dir(root);
     ended("pytest", pytest)
 }
@@ -99,7 +99,7 @@ fn package(root: &Path) -> io::Result<()> {
     copy(&root.join("crates/kajo-py/python/kajo"), &to)?;
     let libraries = ["libkajo_py.so", "libkajo_py.dylib", "kajo_py.dll"];
     let built =
-        libraries.map(|name| root.join("target/debug").join(name)).into_iter().find(|path| path.exists());
+        libraries.map(|name| steps::built(root, "debug").join(name)).into_iter().find(|path| path.exists());
     let built =
         built.ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "the native module was not built"))?;
     let name = if cfg!(windows) { "_native.pyd" } else { "_native.abi3.so" };

@@ -1,7 +1,7 @@
 //! Runs the steps of a task one after another and remembers how each ended.
 
 use std::ffi::{OsStr, OsString};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -47,6 +47,19 @@ impl Cargo {
             Err(error) => Err(vec![format!("cargo did not start: {error}")]),
         }
     }
+}
+
+/// The folder in which cargo leaves what it has built.
+///
+/// * `profile`: that folder of a profile, `debug` or `release`
+pub fn built(root: &Path, profile: &str) -> PathBuf {
+    built_below(root, std::env::var_os("CARGO_TARGET_DIR"), profile)
+}
+
+/// * `target`: what `CARGO_TARGET_DIR` says; cargo starts in the root
+fn built_below(root: &Path, target: Option<OsString>, profile: &str) -> PathBuf {
+    let target = target.filter(|target| !target.is_empty()).unwrap_or_else(|| "target".into());
+    root.join(target).join(profile)
 }
 
 enum Outcome {
@@ -130,4 +143,19 @@ pub fn has_nightly() -> bool {
 pub fn answers(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().is_ok_and(|status| status.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_built_lies_where_cargo_leaves_it() {
+        let built =
+            |target: Option<&str>| built_below(Path::new("/kajo"), target.map(OsString::from), "release");
+        assert_eq!(built(None), Path::new("/kajo/target/release"));
+        assert_eq!(built(Some("")), Path::new("/kajo/target/release"));
+        assert_eq!(built(Some("elsewhere")), Path::new("/kajo/elsewhere/release"));
+        assert_eq!(built(Some("/tmp/built")), Path::new("/tmp/built/release"));
+    }
 }

@@ -60,7 +60,7 @@ fn with_maturin(
     let scripts = package.join("kajo.data/scripts");
     let program = format!("kajo{}", std::env::consts::EXE_SUFFIX);
     fs::create_dir_all(&scripts).map_err(|error| told("a folder cannot be made", error))?;
-    fs::copy(root.join("target/release").join(&program), scripts.join(&program))
+    fs::copy(steps::built(root, "release").join(&program), scripts.join(&program))
         .map_err(|error| told("the program was not built", error))?;
     let folder = root.join(if users.is_some() { "target/wheels-free-threaded" } else { "target/wheels" });
     let _ = fs::remove_dir_all(&folder);
