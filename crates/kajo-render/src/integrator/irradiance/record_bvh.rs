@@ -1,7 +1,7 @@
 //! The records of a finished cache, in a bounding volume hierarchy.
 //!
-//! The octree that they come to one by one visits ten times as many as hold at a point; here a box is around each spheroid in which a
-//! record holds. What is found is summed by the numbers of records, in whatever order the hierarchy finds them.
+//! The octree that they come to one by one visits many more than hold at a point; here a box is around each spheroid in which a record
+//! holds. What is found is summed by the numbers of records, in whatever order the hierarchy finds them.
 
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, Ray, Vec3};
