@@ -71,9 +71,9 @@ impl Octree {
         (records + self.nodes.len() * size_of::<Node>()) as u64
     }
 
-    /// Makes the root wider until it holds a finite point, such as one of a plane without end.
-    fn grow(&mut self, p: Vec3) {
-        while (p - self.center).abs().max_element() > self.half {
+    /// Makes the root wider until it holds a finite point, such as one of a plane without end, and is as large as `radius`.
+    fn grow(&mut self, p: Vec3, radius: f32) {
+        while (p - self.center).abs().max_element().max(radius) > self.half {
             let wider = self.center + self.half * Vec3::ONE.copysign(p - self.center);
             let half = 2.0 * self.half;
             if !(half.is_finite() && wider.is_finite()) {
@@ -88,9 +88,9 @@ impl Octree {
         }
     }
 
-    /// Adds a record at a finite point whose radii are no larger than the root's width.
+    /// Adds a record at a finite point.
     pub fn insert(&mut self, record: Record) {
-        self.grow(record.p);
+        self.grow(record.p, record.radii[0]);
         let (mut at, mut center, mut half) = (0, self.center, self.half);
         for _ in 0..MOST_LEVELS {
             if half < 2.0 * record.radii[0] {
@@ -208,7 +208,8 @@ pub mod tests {
         assert!(found > 100 && found < 400, "{found}");
     }
 
-    /// Points far outside of the first cube are found again, at the level of their own size, and those inside still are.
+    /// Records far outside of the first cube are found again, at the level of their own size, and those inside still are; so are records
+    /// that reach far beyond it.
     #[test]
     fn the_root_grows() {
         let mut tree = Octree::new(Vec3::ZERO, 1.0);
@@ -224,6 +225,10 @@ pub mod tests {
         }
         tree.insert(record(Vec3::splat(f32::MAX)));
         assert_eq!(tree.records().len(), 401);
+        let mut tree = Octree::new(Vec3::ZERO, 1.0);
+        tree.insert(Record { radii: [50.0; 2], ..record(Vec3::ZERO) });
+        let at = IrradianceQuery { p: Vec3::X * 40.0, n: Vec3::Y, relief: Vec3::Y };
+        assert!((tree.weight(&at, 0.1) - 0.2).abs() < 1e-6);
     }
 
     #[test]
