@@ -23,7 +23,7 @@ use super::microfacet::NormalDistribution;
 
 /// Nodes of the cosine, of the azimuth in a quarter, of the ratio of both roughnesses, of the greater one, and of the index.
 pub(super) const COSINES: usize = 16;
-pub(super) const TURNS: usize = 13;
+pub(super) const TURNS: usize = 12;
 pub(super) const ASPECTS: usize = 7;
 pub(super) const ALPHAS: usize = 10;
 pub(super) const INDICES: usize = 12;
