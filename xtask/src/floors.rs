@@ -77,7 +77,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 35] = [
+const CORE_MODULES: [(&str, &[&str]); 36] = [
     ("ids", &[]),
     ("family", &[]),
     ("differential", &[]),
@@ -162,6 +162,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
             "scene",
         ],
     ),
+    ("emissive_media", &["ids", "medium", "scene", "space"]),
     ("shading", &["interaction", "material", "scene"]),
     ("space", &["ids", "curved_light", "differential", "medium", "scene"]),
     (
@@ -234,6 +235,7 @@ const CORE_MODULES: [(&str, &[&str]); 35] = [
             "scene",
             "schema",
             "builder",
+            "emissive_media",
             "lighting",
             "shading",
         ],

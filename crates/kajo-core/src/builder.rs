@@ -232,6 +232,7 @@ impl SceneBuilder {
             ambient,
             fog: self.fog,
             air: self.air,
+            volumes: OnceLock::new(),
         };
         Ok(Scene { geometry: self.geometry, appearance: self.appearance, lighting, output, relativity })
     }

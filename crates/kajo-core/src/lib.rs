@@ -13,6 +13,7 @@ pub mod curved_light;
 pub mod daylight;
 pub mod differential;
 pub mod emission;
+mod emissive_media;
 pub mod environment;
 mod family;
 pub mod ids;

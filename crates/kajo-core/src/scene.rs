@@ -25,7 +25,7 @@ use crate::ids::ObjectId;
 use crate::interaction::{Hit, SurfacePoint, SurfaceUv};
 use crate::light::{LightId, LightSampler, Lights};
 use crate::material::{Appearance, MaterialId};
-use crate::medium::{Fog, MediumId};
+use crate::medium::{EmissiveVolumes, Fog, MediumId};
 use crate::motion::MovingTransform;
 use crate::nested::Leaf;
 use crate::settings::{IntegratorName, Rules, Settings};
@@ -74,6 +74,8 @@ pub struct Lighting {
     pub fog: Option<Fog>,
     /// The medium around everything, if any.
     pub air: Option<MediumId>,
+    /// Bodies of media that emit, made at the first question for them; see [`Scene::emissive_volumes`].
+    pub volumes: OnceLock<EmissiveVolumes>,
 }
 
 /// The cameras, and what the file says about the picture.

@@ -41,10 +41,10 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// To half a per cent: a minute or so.
+    /// To half a per cent: ten minutes of one core.
     pub const QUICK: Effort = Effort { noise: 5e-3, most_samples: 1 << 24 };
 
-    /// To a twentieth of a per cent: half an hour.
+    /// To a twentieth of a per cent: twelve hours of one core.
     pub const FULL: Effort = Effort { noise: 5e-4, most_samples: 1 << 30 };
 }
 

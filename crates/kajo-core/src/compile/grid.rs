@@ -67,7 +67,7 @@ keys! {
         file: Option<At<'t, FileName>> = file("file")
             .not_beside(&["values"])
             .placed()
-            .option("its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values"),
+            .option("its numbers: .vdb of OpenVDB, .nvdb of NanoVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values"),
         grid: Option<At<'t, GridName>> = Typed::<GridName>::new("grid", FieldKind::Text)
             .only_beside("file")
             .not_beside(&["values", "size"])

@@ -412,6 +412,8 @@ mod definition_tests;
 #[cfg(test)]
 mod emission_tests;
 #[cfg(test)]
+mod emissive_media_tests;
+#[cfg(test)]
 mod empty_mesh_tests;
 #[cfg(test)]
 mod follow_path_tests;

@@ -32,7 +32,7 @@ fn entries(step: usize, n: u32) -> impl Iterator<Item = (Who, Bsdf<'static>, Vec
 }
 
 pub(super) fn draws() -> Vec<Draw> {
-    let (step, n) = if deep() { (1, 20) } else { (4, 3) };
+    let (step, n) = if deep() { (1, 10) } else { (4, 3) };
     let draw = |(who, lobe, wo, _): (Who, Bsdf<'static>, Vec3, _)| Draw {
         who,
         draw: Box::new(move |u, uc| {

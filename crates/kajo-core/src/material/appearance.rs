@@ -63,6 +63,11 @@ impl Appearance {
         parts.len() != 1 || self.varies(parts[0])
     }
 
+    /// Whether any medium gives light.
+    pub fn has_emissive_media(&self) -> bool {
+        self.media.ids().any(|medium| self.media.coefficients(medium).emits())
+    }
+
     /// The density of a medium at a world-space point, not negative; see [`crate::medium::Medium::density`].
     #[inline]
     pub fn density(&self, medium: MediumId, p: Vec3) -> f32 {

@@ -84,7 +84,9 @@ impl MajorantGrid {
             // Numbers too large for a cell are those of rays that miss the box.
             (start[axis].floor() as i32).clamp(0, last)
         });
-        GridWalk { grid: self, o: o.to_array(), d: d.to_array(), cell, t: t.max(0.0), end }
+        let (o, d) = (o.to_array(), d.to_array());
+        let crossings = [0, 1, 2].map(|axis| crossing(cell[axis], o[axis], d[axis]));
+        GridWalk { grid: self, o, d, cell, crossings, t: t.max(0.0), end }
     }
 }
 
@@ -96,9 +98,18 @@ pub struct GridWalk<'a> {
     o: [f32; 3],
     d: [f32; 3],
     cell: [i32; 3],
+    /// Where it leaves the cell across each axis.
+    crossings: [f32; 3],
     t: f32,
     /// Where the ray leaves the box; less than `t` when the walk is done.
     end: f32,
+}
+
+/// Where a ray leaves a cell across one axis; `o` and `d` are in units of cells.
+#[inline]
+fn crossing(cell: i32, o: f32, d: f32) -> f32 {
+    let ahead = cell + i32::from(d > 0.0);
+    if d == 0.0 { f32::INFINITY } else { (ahead as f32 - o) / d }
 }
 
 impl Iterator for GridWalk<'_> {
@@ -106,12 +117,7 @@ impl Iterator for GridWalk<'_> {
 
     fn next(&mut self) -> Option<Majorant> {
         while self.t < self.end {
-            let crossing = |axis: usize| {
-                let ahead = self.cell[axis] + i32::from(self.d[axis] > 0.0);
-                let t = (ahead as f32 - self.o[axis]) / self.d[axis];
-                if self.d[axis] == 0.0 { f32::INFINITY } else { t }
-            };
-            let crossings = [0, 1, 2].map(crossing);
+            let crossings = self.crossings;
             let mut axis = usize::from(crossings[1] < crossings[0]);
             if crossings[2] < crossings[axis] {
                 axis = 2;
@@ -122,6 +128,7 @@ impl Iterator for GridWalk<'_> {
             let (t_min, t_max) = (self.t, crossings[axis].clamp(self.t, self.end));
             self.t = t_max;
             self.cell[axis] += if self.d[axis] > 0.0 { 1 } else { -1 };
+            self.crossings[axis] = crossing(self.cell[axis], self.o[axis], self.d[axis]);
             if !(0..self.grid.size[axis] as i32).contains(&self.cell[axis]) {
                 // The last cell reaches to the end, whatever rounding says.
                 self.end = f32::NEG_INFINITY;

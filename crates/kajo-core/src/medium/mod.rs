@@ -18,6 +18,7 @@ mod black_hole;
 #[cfg(test)]
 mod bundle_tests;
 mod coefficients;
+mod emissive_volumes;
 mod fog;
 mod function;
 pub mod gradient_index;
@@ -38,6 +39,8 @@ mod wormhole;
 pub use albedo_grid::{AlbedoGrid, AlbedoGridError};
 pub use black_hole::{BlackHole, BlackHoleError, BlackHoleObserver};
 pub use coefficients::{Coefficients, CoefficientsError};
+pub(crate) use emissive_volumes::EmissiveVolume;
+pub use emissive_volumes::EmissiveVolumes;
 pub use fog::Fog;
 pub use function::{FunctionMedium, FunctionMediumError};
 pub use gradient_index::GradientIndex;

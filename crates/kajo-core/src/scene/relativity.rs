@@ -208,7 +208,9 @@ impl Scene {
             .relativity
             .iter()
             .flat_map(|all| all.frames.iter().filter_map(|frame| frame.sampler.as_ref()));
-        !self.lighting.sampler.is_empty() || moving.into_iter().any(|sampler| !sampler.is_empty())
+        !self.lighting.sampler.is_empty()
+            || moving.into_iter().any(|sampler| !sampler.is_empty())
+            || self.appearance.has_emissive_media()
     }
 
     fn trees_of<'a>(&'a self, all: &'a Relativity, frame: FrameId) -> &'a Aggregate {

@@ -21,6 +21,17 @@
 //! *A slab that emits* by the radiance `e` per unit length and absorbs is as bright as `e / sigma_a (1 - exp(-sigma_a
 //! d))`; a body that gives `sigma_a` times the radiance of an even sky is not to be seen.
 //!
+//! *A ball of gas over a floor* that gives `e` per unit length and absorbs nothing: the inverse squares of the distances of all of its points add up to
+//! that of the middle, as those of gravity do, so a floor of albedo `rho` at the distance `h` is as bright as
+//!
+//! ```text
+//! L = rho / pi  e (4/3) pi R^3 / h^2
+//! ```
+//!
+//! The wall of a hollow ball around it, of the radius `h`, is brighter by the light that it scatters itself: `L / (1 - rho)`. In the middle
+//! of a ball of gas that absorbs `sigma` too as much comes from everywhere, `B = e / sigma (1 - exp(-sigma R))`, so
+//! there the floor is as bright as `rho B`; and seen from outside, `B + exp(-sigma R) rho B`.
+//!
 //! *Nothing is lost.* Whatever scatters all light is not to be seen under an even sky: homogeneous, by voxels, by a function, in clear
 //! glass.
 
@@ -29,10 +40,10 @@ use std::f64::consts::PI;
 use kajo_math::DVec3;
 
 use super::quadrature::simpson;
-use super::{Form, Parameters, STARTS, spot_meter};
+use super::{Form, Parameters, STARTS, floor, spot_meter};
 use crate::method::{
-    BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, MLT, MMLT, Method, PATH, PATH_SCATTERING, PATH_SPECTRAL,
-    PHOTON_DIRECT, SPPM, VCM, VCM_ONE_RADIUS,
+    BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, GLOBAL, LIGHT, MLT, MMLT, Method, PATH, PATH_SCATTERING,
+    PATH_SPECTRAL, PHOTON_DIRECT, SHARED, SPPM, VCM, VCM_ONE_RADIUS,
 };
 
 const MEDIA: &[Method] = &[PATH, PATH_SCATTERING, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
@@ -101,6 +112,9 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms.push(wide(draw, "a ball by photons", PHOTONS_AND_JOINTS).rounding(BORDER).size([64, 64]));
     forms.extend([within(draw, DRAWN), within(draw, SEEN).rounding(BLUR).least_noise(OF_ONE_MAP)]);
     forms.push(behind_glass(draw));
+    forms.extend([gas_over_floor(draw, GLOBAL), gas_over_floor(draw, SHARED)]);
+    forms.extend([gas_around_floor(draw, GLOBAL), gas_around_floor(draw, SHARED)]);
+    forms.extend([gas_in_ball(draw, GLOBAL), gas_in_ball(draw, SHARED)]);
     forms
 }
 
@@ -130,6 +144,54 @@ fn flame(draw: &mut Parameters) -> Form {
     let scene = filled(&view, &medium, "Interface b { medium m }", CUBE);
     let expected = e / sigma * (1.0 - (-2.0 * sigma).exp());
     Form::new(format!("S9 slab that absorbs {sigma} and emits {e}"), scene, expected, MEDIA)
+}
+
+/// A floor of albedo `rho` and a ball of gas `m`.
+fn gas_and_floor(from: DVec3, rho: f64, gas: &str, ball: &str) -> String {
+    format!(
+        "{}Media {{ Medium m {{ {gas} }} }}
+         Materials {{ Interface gas {{ medium m }}  Matte floor {{ color {rho} {rho} {rho} }} }}
+         Group {{ MaterialIndex floor {}  MaterialIndex gas {ball} }}\n",
+        spot_meter(from, DVec3::ZERO),
+        floor(DVec3::Y)
+    )
+}
+
+fn gas_over_floor(draw: &mut Parameters, methods: &'static [Method]) -> Form {
+    let (rho, e, h) = (draw.between(0.2, 0.9), draw.between(0.5, 3.0), draw.between(0.5, 2.0));
+    let radius = h * draw.between(0.3, 0.6);
+    let ball = format!("Sphere {{ center 0 {h} 0  radius {radius} }}");
+    let scene = gas_and_floor(DVec3::new(5.0, 2.0, 1.0), rho, &format!("emission {e}"), &ball);
+    let expected = rho / PI * e * 4.0 / 3.0 * PI * radius.powi(3) / (h * h);
+    let name = format!("ball of gas of radius {radius} at the height {h} over a floor of albedo {rho}");
+    Form::new(name, scene, expected, methods).bounces(0)
+}
+
+fn gas_around_floor(draw: &mut Parameters, methods: &'static [Method]) -> Form {
+    let (rho, e, sigma) = (draw.between(0.2, 0.9), draw.between(0.5, 3.0), draw.between(0.3, 2.0));
+    let radius = draw.between(0.3, 1.5);
+    let ball = format!("Sphere {{ center 0 0 0  radius {radius} }}");
+    let gas = format!("emission {e}  sigma_a {sigma}");
+    let scene = gas_and_floor(DVec3::new(2.0, 4.0, 1.0), rho, &gas, &ball);
+    let left = (-sigma * radius).exp();
+    let emitted = e / sigma * (1.0 - left);
+    let name = format!("floor of albedo {rho} in a ball of gas that absorbs {sigma}");
+    Form::new(name, scene, emitted + left * rho * emitted, methods).bounces(0)
+}
+
+fn gas_in_ball(draw: &mut Parameters, methods: &'static [Method]) -> Form {
+    let (rho, e) = (draw.between(0.3, 0.7), draw.between(0.5, 3.0));
+    let (radius, wall) = (draw.between(0.2, 0.4), draw.between(0.8, 1.5));
+    let scene = format!(
+        "{}Media {{ Medium m {{ emission {e} }} }}
+         Materials {{ Interface gas {{ medium m }}  Matte wall {{ color {rho} {rho} {rho} }} }}
+         Group {{ MaterialIndex wall Sphere {{ center 0 0 0  radius {wall} }}
+                  MaterialIndex gas Sphere {{ center 0 0 0  radius {radius} }} }}\n",
+        spot_meter(DVec3::new(0.5, 0.0, 0.0), DVec3::new(wall, 0.2, 0.1))
+    );
+    let expected = rho / PI * e * 4.0 / 3.0 * PI * radius.powi(3) / (wall * wall) / (1.0 - rho);
+    Form::new(format!("ball of gas of radius {radius} in a ball of albedo {rho}"), scene, expected, methods)
+        .bounces(WITHOUT_END)
 }
 
 fn hot(draw: &mut Parameters) -> Form {

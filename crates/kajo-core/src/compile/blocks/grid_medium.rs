@@ -29,7 +29,7 @@ keys! {
     OtherGridKeys<'t> {
         temperature: Option<At<'t, GridName>> = other_grid("temperature", &["emission", "values", "size"])
             .placed()
-            .unlike("none", "temperature", "name of a grid in the same .vdb: it emits as a black body this hot"),
+            .unlike("none", "temperature", "name of a grid in the same .vdb or .nvdb: it emits as a black body this hot"),
         temperature_scale: Option<f32> = number("temperatureScale")
             .unit("K")
             .only_beside("temperature")

@@ -93,8 +93,8 @@ class GridMedium(MediumBlock):
     """A cloud, smoke or fire, given voxel by voxel.
 
     Args:
-        file: its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values
-            (file). Default: none.
+        file: its numbers: .vdb of OpenVDB, .nvdb of NanoVDB, .vol of Mitsuba, .df3 of POV-Ray,
+            or raw values (file). Default: none.
         grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
             first.
         values: its numbers, as many as `size` says, x first (numbers). Default: those of
@@ -106,8 +106,8 @@ class GridMedium(MediumBlock):
             or -1 -1 -1.
         max: the corner of its box with the largest coordinates (x y z). Default: by the file,
             or 1 1 1.
-        temperature: name of a grid in the same .vdb: it emits as a black body this hot (word or
-            text). Default: none.
+        temperature: name of a grid in the same .vdb or .nvdb: it emits as a black body this hot
+            (word or text). Default: none.
         temperature_scale: kelvin of the number 1 more in that grid (number, K). Default: 1.
         temperature_offset: kelvin of the number 0 (number, K). Default: 0.
         brightness: luminance per length that it gives at 2000 K (number ≥ 0, W/(m³ sr)).
@@ -413,8 +413,8 @@ class IndexGrid(MediumBlock):
     """Clear matter that bends light, by indices of refraction on a grid.
 
     Args:
-        file: its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values
-            (file). Default: none.
+        file: its numbers: .vdb of OpenVDB, .nvdb of NanoVDB, .vol of Mitsuba, .df3 of POV-Ray,
+            or raw values (file). Default: none.
         grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
             first.
         values: its numbers, as many as `size` says, x first (numbers). Default: those of

@@ -53,8 +53,8 @@ class DistanceGrid(ObjectBlock):
     """The surface through numbers on a grid, such as signed distances.
 
     Args:
-        file: its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values
-            (file). Default: none.
+        file: its numbers: .vdb of OpenVDB, .nvdb of NanoVDB, .vol of Mitsuba, .df3 of POV-Ray,
+            or raw values (file). Default: none.
         grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
             first.
         values: its numbers, as many as `size` says, x first (numbers). Default: those of

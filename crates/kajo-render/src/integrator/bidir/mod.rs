@@ -438,7 +438,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         loop {
             let event = advance(scene, &mut path.state, surface, &mut visible.first, observer);
             if V::HAS_MEDIA && !path.state.emitted.is_black() {
-                hit(path.medium_emission(), observer);
+                hit(path.medium_contribution(scene), observer);
             }
             match event {
                 Event::Surface => {}
@@ -492,7 +492,7 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
         self.in_endless_air && at.is_infinite()
     }
 
-    /// Joins a vertex of the camera's path with a light drawn for it (`s = 1`) and with all vertices of the light's path
+    /// Joins a vertex of the camera's path with a light and media that emit, drawn for it (`s = 1`), and with all vertices of the light's path
     /// (`s > 1`).
     fn connect_vertex<O: PathObserver, T: Techniques<Merging>>(
         &self,
@@ -517,6 +517,31 @@ impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
                 found(joined, wavelengths);
             }
         }
+        if V::HAS_MEDIA && carried.techniques.has(1, t) {
+            self.add_volume_light(end, z, observer, found);
+        }
+    }
+}
+
+impl<'a, V: Volume<'a>> Bidirectional<'a, V> {
+    /// Hands over the light of media that comes directly to a vertex of the camera's path.
+    #[inline(never)]
+    fn add_volume_light<O: PathObserver, T: Techniques<Merging>>(
+        &self,
+        end: &CameraEnd<'_, '_, 'a, V, T>,
+        z: &Vertex<'a, V>,
+        observer: &mut O,
+        found: &mut impl FnMut(Contribution, &Wavelengths),
+    ) {
+        let technique = VertexCounts { s: 1, t: end.t };
+        let hit = end.path.hit(Spectrum::BLACK, LightGroup::default(), 1.0);
+        let (scene, collision) = (self.scene(), end.collision.as_ref());
+        end.path.volume_light(scene, z, &end.surface, collision, observer, |light, wavelengths, observer| {
+            let secondary_terminated = wavelengths.secondary_terminated();
+            let contribution = Contribution { technique, light, secondary_terminated, ..hit };
+            observer.emitter_met(|| contribution.value(end.carried.wavelengths));
+            found(contribution, end.carried.wavelengths);
+        });
     }
 }
 

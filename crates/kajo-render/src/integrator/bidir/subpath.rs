@@ -12,9 +12,9 @@
 //! heuristic over all techniques. For these weights each vertex keeps the sums of [`PartialMis`] [Georgiev 2012, eq. 34
 //! and 35], of the density of the ray and of that of the direction back, both per area where they arrive.
 
-use kajo_color::Spectrum;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::LightGroup;
-use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::LightLeSample;
 use kajo_core::scene::{Interaction, Scene};
@@ -26,8 +26,8 @@ use super::vertex::Vertex;
 use super::volume::{Volume, WithMedia, grown_through_media};
 use super::{Contribution, VertexCounts, shade_one_way};
 use crate::integrator::transport::{
-    Event, MediumInteraction, PathState, SurfaceInteraction, advance, follow, follow_phase, pass_straight,
-    survives, survives_in_medium,
+    Event, MediumInteraction, PathState, SurfaceInteraction, VolumeDirection, advance, follow, follow_phase,
+    pass_straight, power_heuristic, survives, survives_in_medium, weight_of_emission,
 };
 use crate::trail::PathObserver;
 
@@ -180,10 +180,57 @@ impl Subpath<'_> {
         }
     }
 
-    /// Emission of media along a path from the camera: no other technique samples it.
-    pub(super) fn medium_emission(&mut self) -> Contribution {
+    /// Emission of media along a path from the camera since it was taken last, and its weight: what the path meets by its own scattering is
+    /// weighed against [`Subpath::volume_light`], and against no other technique.
+    pub fn medium_emission(&mut self, scene: &Scene) -> (Spectrum, f32) {
         let light = std::mem::take(&mut self.state.emitted);
-        Contribution { light, ..self.hit(Spectrum::BLACK, LightGroup::default(), 1.0) }
+        if light.is_black() {
+            return (light, 0.0);
+        }
+        (light, weight_of_emission(scene, &self.state, self.last.p, self.last.pdf))
+    }
+
+    /// The same as a contribution.
+    pub(super) fn medium_contribution(&mut self, scene: &Scene) -> Contribution {
+        let (light, weight) = self.medium_emission(scene);
+        Contribution { light, ..self.hit(Spectrum::BLACK, LightGroup::default(), weight) }
+    }
+
+    /// Hands over the light of media that comes directly to a vertex of a path from the camera, and goes on from there, with the wavelengths
+    /// that it was found under.
+    ///
+    /// * `surface`, `collision`: as for [`Subpath::scatter_at`]
+    pub fn volume_light<'v, V: Volume<'v>, O: PathObserver>(
+        &self,
+        scene: &Scene,
+        vertex: &Vertex<'v, V>,
+        surface: &SurfaceInteraction,
+        collision: Option<&MediumInteraction<'_>>,
+        observer: &mut O,
+        found: impl FnMut(Spectrum, &Wavelengths, &mut O),
+    ) {
+        let Some(mut drawn) = VolumeDirection::sample(scene, &self.state, vertex.at.p) else { return };
+        let (wi, pdf) = (drawn.wi, drawn.pdf);
+        let weight = power_heuristic(pdf, vertex.pdf(vertex.wo, wi));
+        let mark = observer.mark();
+        match collision {
+            Some(at) => drawn.follow_phase(at, at.phase.eval(at.wo, wi), weight, observer),
+            None => {
+                let (scattered, local) = (vertex.gathered(wi), vertex.local(vertex.wo).to_local(wi));
+                let Some(local) = local.filter(|_| !scattered.is_black()) else { return };
+                let kind = ScatterKind { transmission: vertex.side(wi) == 1, delta: false, straight: false };
+                let weight = scattered * (weight / pdf);
+                follow(
+                    &mut drawn.state,
+                    surface,
+                    wi,
+                    &BsdfSample { wi: local, weight, pdf, kind, eta: 1.0 },
+                    observer,
+                );
+            }
+        }
+        drawn.emission(scene, observer, found);
+        observer.back_to(mark);
     }
 
     /// The path's vertex on a surface.

@@ -113,7 +113,7 @@ fn check(scene: &Scene, settings: BidirectionalSettings, samples: u32, expected:
 
 /// How many times as many samples are taken.
 fn effort() -> u32 {
-    if kajo_testkit::is_deep() { 20 } else { 1 }
+    if kajo_testkit::is_deep() { 5 } else { 1 }
 }
 
 fn setup(seed: u64) -> Setup<'static> {

@@ -5,6 +5,7 @@ use kajo_core::camera::Camera;
 use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::medium::REFERENCE_KELVIN;
 use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_core::settings::Technique;
 use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
 use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
@@ -216,5 +217,74 @@ fn a_fire_as_hot_as_its_surroundings_is_not_seen() {
         for (lane, expected) in [r, g, b].into_iter().enumerate() {
             mean_of(&*integrator, 500, lane).check(expected.into(), 0.05).unwrap();
         }
+    }
+}
+
+/// Light of media is drawn and met: behind panes and sheets with holes, in smoke whose colours are scattered differently, where bodies of
+/// glass hide a part, beside other gas, in motion, from within.
+#[test]
+fn light_of_media_that_is_drawn_and_met_is_one() {
+    let smoke = "Medium air { sigma_s 0.1 0.2 0.3  sigma_a 0.05  phaseColors on  phaseTable 0 5 3 0  90 0.5 1 2  180 1 1 1 } exterior air";
+    let gas = "FunctionMedium gas { function = 2 + 3 * x  emission 9 6 4  sigma_a 0.3 0.5 1 }";
+    let grid = "GridMedium gas { size 2 1 2  values 1 0.2 0 0.7  min -0.4 0 -0.4  max 0.4 0.8 0.4  emission 20 10 5  sigma_s 1 2 3 }";
+    let ball = "MaterialIndex hot Sphere { center 0.1 0.4 0  radius 0.3 }";
+    let pane = "MaterialIndex pane Quad { corner -1 -0.3 -1  edge1 2 0 0  edge2 0 0 2 }";
+    let sheet = "MaterialIndex sheet Quad { corner -1 -0.2 -1  edge1 2 0 0  edge2 0 0 2 }";
+    let glass = "MaterialIndex glass Sphere { center 0.2 0.25 0.1  radius 0.3 }";
+    let other = "MaterialIndex dim Box { min -0.9 -0.6 -0.5  max -0.5 0.2 0 }";
+    let moving = "MaterialIndex hot Transform { Motion { key 0 { }  key 1 { Translate 0.6 0 0 } } Sphere { center -0.2 0.4 0  radius 0.3 } }";
+    let around = "MaterialIndex hot Sphere { center 0 -0.7 0  radius 0.9 }";
+    let cases = [
+        (gas, format!("{ball} {pane} {sheet}"), false),
+        (&format!("{smoke} {gas}"), ball.to_owned(), false),
+        (&format!("{smoke} {grid}"), format!("{ball} {sheet}"), true),
+        (gas, format!("{ball} {glass}"), false),
+        (grid, format!("{ball} {glass} {other}"), false),
+        (gas, format!("{moving} {other}"), true),
+        (&format!("{smoke} {gas}"), around.to_owned(), false),
+    ];
+    for (media, things, spectral) in cases {
+        let text = format!(
+            "PerspectiveCamera {{ center 0.5 0.2 3  direction -0.15 -0.25 -1  up 0 1 0  angle 30  shutter 0 1 }} Background {{ color 0 0 0 }}
+             Media {{ Medium dim {{ emission 1 2 4 }} {media} }}
+             Materials {{ Matte white {{ color 0.8 0.7 0.6 }}  Interface hot {{ medium gas }}  Interface dim {{ medium dim }}
+                Glass pane {{ thin on }}  Matte sheet {{ color 0.5 0.5 0.5  opacity 0.4 }}  Glass glass {{ priority 1 }} }}
+             Group {{ MaterialIndex white Plane {{ normal 0 1 0  offset -0.8 }} {things} }}"
+        );
+        let scene = scene(&text);
+        let path = |technique| PathSettings { bounces: 3, technique, spectral, ..PathSettings::default() };
+        let of = |technique| Path::new(&scene, path(technique), [1, 1], LayerSet::of(&[]));
+        let lane = usize::from(spectral);
+        let met = mean_of(&of(Technique::Scattering), 12_000, lane);
+        let both_ends = BidirectionalSettings { bounces: 3, spectral, ..BidirectionalSettings::default() };
+        let both_ends = integrator_of(&scene.output.camera, &scene, both_ends, [1, 1], LayerSet::of(&[]));
+        let [drawn, both] = [Technique::Lights, Technique::Combined].map(|by| mean_of(&of(by), 3000, lane));
+        for (name, found) in
+            [("drawn", drawn), ("both", both), ("both ends", mean_of(&*both_ends, 3000, lane))]
+        {
+            let sigma = found.standard_error.hypot(met.standard_error);
+            assert!((found.mean - met.mean).abs() < 4.0 * sigma, "{name} {text}: {found:?} {met:?}");
+            assert!(sigma < 0.03 * met.mean, "{name} {text} is too noisy: {found:?} {met:?}");
+        }
+    }
+}
+
+/// The light of a small flame has next to no noise on a floor where it is drawn.
+#[test]
+fn drawn_light_of_media_has_little_noise() {
+    let scene = scene(&format!(
+        "{} Media {{ FunctionMedium m {{ function = exp(-40 * (x^2 + (y - 2)^2 + z^2))  min -1 1 -1  max 1 3 1  emission 5 }} }}
+         Materials {{ Interface i {{ medium m }}  Matte white {{ }} }}
+         Group {{ MaterialIndex i Box {{ min -1 1 -1  max 1 3 1 }}  MaterialIndex white Plane {{ normal 0 1 0  offset 0 }} }}",
+        camera([2.0, 0.8, 0.5], [0.0, 0.0, 0.0])
+    ));
+    let of = |technique| {
+        let settings = PathSettings { bounces: 0, technique, ..PathSettings::default() };
+        mean_of(&Path::new(&scene, settings, [1, 1], LayerSet::of(&[])), 500, 0)
+    };
+    let [met, drawn, both] = [Technique::Scattering, Technique::Lights, Technique::Combined].map(of);
+    assert!((drawn.mean - both.mean).abs() < 4.0 * drawn.standard_error.hypot(both.standard_error));
+    for found in [drawn, both] {
+        assert!(found.standard_error < 0.2 * met.standard_error, "{found:?} {met:?}");
     }
 }

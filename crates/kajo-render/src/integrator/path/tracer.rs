@@ -7,6 +7,7 @@ mod crossed;
 mod guided;
 mod indirect;
 mod through_media;
+mod volumes;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
@@ -393,6 +394,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         if !is_delta && settings.technique != Technique::Scattering {
             self.add_direct_light(path, surface, bsdf, &local);
+            if path.state.carries_media {
+                self.add_volume_light(path, surface, bsdf, &local);
+            }
         }
         if C::GUIDES {
             return self.scatter_guided(path, surface, bsdf, &local);
@@ -650,6 +654,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let receiver = Receiver { p: at.p, n: Vec3::ZERO, time: at.time };
         if settings.technique != Technique::Scattering {
             self.add_direct_light_in_medium(path, at, &receiver);
+            self.add_volume_light_in_medium(path, at);
         }
         path.ends_at_lights = path.bounces == settings.bounces || settings.only_mirrors;
         if path.ends_at_lights && settings.technique == Technique::Lights {
@@ -662,14 +667,6 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path.pdf = sample.value.pdf;
         path.bounces += 1;
         survives_in_medium(&mut path.state, path.bounces, settings.roulette, self.gain())
-    }
-
-    /// Adds the light that media gave on the way: no light is drawn in them.
-    fn add_medium_emission(&mut self, path: &mut CameraPath<'s>) {
-        let emitted = std::mem::take(&mut path.state.emitted);
-        if !emitted.is_black() {
-            self.add_hit(&path.state, emitted, LightGroup::default());
-        }
     }
 
     /// Direct light at a point `x` in a medium, by next-event estimation. The integral over directions of `p(wo, wi)

@@ -157,7 +157,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
                 _ => advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer),
             };
             if V::HAS_MEDIA {
-                self.add_medium_emission(&mut path.state);
+                self.add_medium_emission(&mut path);
                 if let Maps::Fixed { usage: PhotonMapUse::Dots, in_media, .. } = &self.photons.maps {
                     let end = if let Event::Medium(at) = &event { at.length } else { path.state.extent };
                     self.add_dots_along(&Ray { t_min: 0.0, t_max: end, ..start }, beta, in_media, length);
@@ -300,7 +300,13 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         from: &mut Option<From>,
     ) -> bool {
         let roulette = self.photons.settings.roulette;
-        if z.bsdf.is_delta() || self.for_media {
+        if z.bsdf.is_delta() {
+            return path.scatter(z, surface, roulette, self.observer);
+        }
+        if V::HAS_MEDIA {
+            self.add_volume_light(path, z, surface, None);
+        }
+        if self.for_media {
             return path.scatter(z, surface, roulette, self.observer);
         }
         if self.albedo.is_none() && self.photons.view.wants_albedo() {
@@ -357,6 +363,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let photons = self.photons;
         let z = path.vertex_in_medium::<V>(self.scene(), at, LightGroup::default());
+        self.add_volume_light(path, &z, &SurfaceInteraction::default(), Some(at));
         if self.for_media {
             return path.scatter_in_medium(&z, at, photons.settings.roulette, self.observer);
         }
@@ -392,13 +399,44 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         true
     }
 
-    /// Adds the light that media gave on the way: no light is drawn in them, and no photon comes from there.
-    fn add_medium_emission(&mut self, state: &mut PathState<'_>) {
-        let emitted = std::mem::take(&mut state.emitted);
+    /// Adds the light that media gave on the way: no photon comes from there.
+    fn add_medium_emission(&mut self, path: &mut Subpath<'_>) {
+        let (emitted, weight) = path.medium_emission(self.scene());
         if !emitted.is_black() {
-            self.observer.emitter_met(|| sensor::to_rgb(emitted, &state.wavelengths));
-            self.add(emitted, &state.wavelengths);
+            let light = emitted * weight;
+            self.observer.emitter_met(|| sensor::to_rgb(light, &path.state.wavelengths));
+            self.add(light, &path.state.wavelengths);
         }
+    }
+
+    /// Adds light of media that comes directly to a vertex.
+    ///
+    /// * `collision`: where that came before the surface
+    #[inline(never)]
+    fn add_volume_light<V: Volume<'a>>(
+        &mut self,
+        path: &Subpath<'_>,
+        z: &Vertex<'a, V>,
+        surface: &SurfaceInteraction,
+        collision: Option<&MediumInteraction<'_>>,
+    ) {
+        if !self.photons.has_emissive_media {
+            return;
+        }
+        let mut light = [0.0; 3];
+        path.volume_light(
+            self.scene(),
+            z,
+            surface,
+            collision,
+            self.observer,
+            |emitted, wavelengths, observer| {
+                let rgb = sensor::to_rgb(emitted, wavelengths);
+                observer.emitter_met(|| rgb);
+                light = [0, 1, 2].map(|i| light[i] + rgb[i]);
+            },
+        );
+        self.radiance = [0, 1, 2].map(|i| self.radiance[i] + light[i]);
     }
 
     /// What becomes of light at a vertex that is no mirror.

@@ -57,12 +57,10 @@ use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
 
+use super::emission_points::EmissionPoints;
 use super::lane_mis::all_lanes;
+use super::null_collisions::{CollisionVisitor, NullCollisionMedium, Span, walk};
 use super::{LaneMis, MediumStack, PathState};
-
-/// Null collisions along one ray after which it is given up: a majorant that is far above all densities is a mistake of the
-/// scene, and must not hold up a picture for ever.
-const MOST_COLLISIONS: u32 = 1 << 20;
 
 /// A vertex of a path within a medium.
 #[derive(Clone, Copy, Debug)]
@@ -208,24 +206,6 @@ fn source(velocities: Option<&VelocityGrid>, p: Vec3, time: f32) -> Vec3 {
     velocities.map_or(p, |velocities| velocities.source(p, time))
 }
 
-/// A medium, or several, as null-collision sampling sees it: coefficients and majorants along a ray.
-pub(super) trait NullCollisionMedium {
-    /// How much there is of it at most.
-    type Most;
-
-    /// The spans of a ray with one majorant each, from its start on; between and behind them there is nothing.
-    fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<Self::Most>>;
-
-    /// Whether there is nothing.
-    fn is_void(&self, most: &Self::Most) -> bool;
-
-    /// `sigma[h]`.
-    fn hero_extinction(&self, most: &Self::Most) -> f32;
-
-    /// `T[i]` over a length.
-    fn transmittance(&self, most: &Self::Most, length: f32) -> Spectrum;
-}
-
 /// The density on a part of a ray is between these.
 #[derive(Clone, Copy)]
 pub(super) struct DensityRange {
@@ -243,15 +223,9 @@ impl DensityRange {
     }
 }
 
-/// A part of a ray with one majorant.
-pub(super) struct Span<M> {
-    pub(super) t_min: f32,
-    pub(super) t_max: f32,
-    pub(super) most: M,
-}
-
 impl NullCollisionMedium for MediumAlongRay<'_> {
     type Most = DensityRange;
+    type Depth = f32;
 
     #[inline]
     fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<DensityRange>> {
@@ -273,8 +247,13 @@ impl NullCollisionMedium for MediumAlongRay<'_> {
     }
 
     #[inline]
-    fn transmittance(&self, density: &DensityRange, length: f32) -> Spectrum {
-        self.transmittance_at(density.most, length)
+    fn depth(&self, density: &DensityRange, length: f32) -> f32 {
+        density.most * length
+    }
+
+    #[inline]
+    fn transmittance(&self, depth: f32) -> Spectrum {
+        self.transmittance_of(depth)
     }
 }
 
@@ -283,6 +262,7 @@ struct Residual<'a>(&'a MediumAlongRay<'a>);
 
 impl NullCollisionMedium for Residual<'_> {
     type Most = DensityRange;
+    type Depth = f32;
 
     #[inline]
     fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<DensityRange>> {
@@ -300,8 +280,13 @@ impl NullCollisionMedium for Residual<'_> {
     }
 
     #[inline]
-    fn transmittance(&self, density: &DensityRange, length: f32) -> Spectrum {
-        self.0.transmittance_at(density.width(), length)
+    fn depth(&self, density: &DensityRange, length: f32) -> f32 {
+        density.width() * length
+    }
+
+    #[inline]
+    fn transmittance(&self, depth: f32) -> Spectrum {
+        self.0.transmittance_of(depth)
     }
 }
 
@@ -323,10 +308,11 @@ impl<'a> MediumAlongRay<'a> {
         self.scene.appearance.media.majorants(self.medium, ray)
     }
 
-    /// `T[i]` over a length with a density.
-    fn transmittance_at(&self, density: f32, length: f32) -> Spectrum {
+    /// `T[i]` for the integral of a density over a length.
+    #[inline]
+    fn transmittance_of(&self, depth: f32) -> Spectrum {
         // A lane without extinction transmits everything over an infinite length too, where 0 times infinity would be no number.
-        (self.sigma_t * -(density * length).min(f32::MAX)).exp()
+        (self.sigma_t * -depth.min(f32::MAX)).exp()
     }
 
     /// Where its matter that is at a point at a ray's time was at the moment that its grids are of.
@@ -360,73 +346,6 @@ impl<'a> MediumAlongRay<'a> {
         let hero = drawn * self.sigma_t[self.hero];
         if hero > 0.0 { t * self.sigma_t * (1.0 / hero) } else { Spectrum::BLACK }
     }
-}
-
-/// What happens along a ray, from collision to collision.
-pub(super) trait CollisionVisitor<M> {
-    /// Passes a stretch without collisions.
-    ///
-    /// * `from`, `to`: distances of its ends
-    /// * `t`: `T[i]` of all lanes from the last collision to `from`
-    #[inline]
-    fn pass(&mut self, _draws: &mut SampleStream<'_>, _from: f32, _to: f32, _t: Spectrum, _majorant: &M) {}
-
-    /// Comes to a collision with the majorant; `true` ends the walk.
-    ///
-    /// * `at`: its distance
-    /// * `t`: `T[i]` of all lanes since the last one
-    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: &M) -> bool;
-}
-
-/// Where along a ray collisions with a majorant are, one after the other, drawn by the hero's lane.
-///
-/// Returns `T[i]` since the last collision where it ends at the far end of the ray.
-#[inline]
-pub(super) fn walk<M: NullCollisionMedium>(
-    matter: &M,
-    ray: &Ray,
-    draws: &mut SampleStream<'_>,
-    walker: &mut impl CollisionVisitor<M::Most>,
-) -> Option<Spectrum> {
-    let mut optical_depth = exponential(draws);
-    // How many collisions there are differs from sample to sample.
-    let mut own = draws.substream();
-    let draws = own.as_mut().unwrap_or(draws);
-    let mut t = Spectrum::WHITE;
-    let mut collisions = 0;
-    for Span { t_min, t_max, most } in matter.spans(ray) {
-        // Where there is nothing, nothing happens.
-        if matter.is_void(&most) {
-            continue;
-        }
-        let mut at = t_min;
-        let sigma = matter.hero_extinction(&most);
-        loop {
-            let step = if sigma > 0.0 { optical_depth / sigma } else { f32::INFINITY };
-            if at + step >= t_max {
-                let rest = t_max - at;
-                walker.pass(draws, at, t_max, t, &most);
-                optical_depth = (optical_depth - sigma * rest).max(0.0);
-                t *= matter.transmittance(&most, rest);
-                break;
-            }
-            walker.pass(draws, at, at + step, t, &most);
-            at += step;
-            t *= matter.transmittance(&most, step);
-            collisions += 1;
-            if walker.collide(draws, at, t, &most) || collisions == MOST_COLLISIONS {
-                return None;
-            }
-            t = Spectrum::WHITE;
-            optical_depth = exponential(draws);
-        }
-    }
-    Some(t)
-}
-
-/// An optical depth of the density `exp(-depth)`.
-fn exponential(draws: &mut SampleStream<'_>) -> f32 {
-    -fmath::ln(1.0 - draws.next_1d())
 }
 
 /// Delta tracking of a path through a medium.
@@ -477,6 +396,8 @@ impl PassedDensities {
 
 /// Emission of a medium along a ray, collected towards the camera.
 struct EmissionAlongRay {
+    /// Where it is asked for; where there are none, at one point of each stretch without a collision.
+    points: Option<EmissionPoints>,
     /// Radiance per unit length at the density 1.
     radiance: Spectrum,
     /// What absorbs it besides the medium: the body's own absorption.
@@ -486,9 +407,9 @@ struct EmissionAlongRay {
 }
 
 impl DeltaTracking<'_> {
-    /// Adds the light that the medium gives along a stretch without collisions, at one point of it drawn evenly.
+    /// Adds the light that the medium gives along a stretch without collisions, at some points of it.
     ///
-    /// In the mean over the lengths of such stretches that is the integral of `T e d`, with the radiance `e` per unit length at the density
+    /// In the mean over such stretches that is the integral of `T e d`, with the radiance `e` per unit length at the density
     /// 1 and the density `d`, since the path gets to a point without a collision with the probability `T[h]`.
     ///
     /// * `emission_at`: that radiance at a point, of what it is everywhere
@@ -498,22 +419,28 @@ impl DeltaTracking<'_> {
         draws: &mut SampleStream<'_>,
         from: f32,
         to: f32,
-        t: Spectrum,
+        depth: f32,
         majorant: f32,
-        emission_at: impl FnOnce(Vec3, Spectrum) -> Spectrum,
+        emission_at: impl Fn(Vec3, Spectrum) -> Spectrum,
     ) {
-        let Some(EmissionAlongRay { radiance, sigma_a, found }) = &mut self.emission else { return };
-        let at = from + draws.next_1d() * (to - from);
-        let p = self.stretch.source(self.ray.at(at), self.ray.time);
-        let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(p) };
-        let t = t * self.stretch.transmittance_at(majorant, at - from);
-        let ratio = t * (1.0 / t[self.stretch.hero]);
-        let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
-        let radiance = emission_at(p, *radiance);
-        let added = self.beta * ratio * radiance * (*sigma_a * -at).exp() * (density * (to - from) / mean);
-        if added.is_finite() {
-            *found += added;
+        let Some(EmissionAlongRay { points, radiance, sigma_a, found }) = &mut self.emission else { return };
+        let mut add = |at: f32, length: f32| {
+            let p = self.stretch.source(self.ray.at(at), self.ray.time);
+            let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(p) };
+            let t = self.stretch.transmittance_of(depth + majorant * (at - from));
+            let ratio = t * (1.0 / t[self.stretch.hero]);
+            let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
+            let radiance = emission_at(p, *radiance);
+            let added = self.beta * ratio * radiance * (*sigma_a * -at).exp() * (density * length / mean);
+            if added.is_finite() {
+                *found += added;
+            }
+        };
+        let Some(points) = points else { return add(from + draws.next_1d() * (to - from), to - from) };
+        while let Some((at, length)) = points.next_in(from, to, majorant) {
+            add(at, length);
         }
+        points.pass(from, to, majorant);
     }
 }
 
@@ -552,17 +479,10 @@ impl PathState<'_> {
     }
 }
 
-impl CollisionVisitor<DensityRange> for DeltaTracking<'_> {
+impl CollisionVisitor<DensityRange, f32> for DeltaTracking<'_> {
     #[inline]
-    fn pass(
-        &mut self,
-        draws: &mut SampleStream<'_>,
-        from: f32,
-        to: f32,
-        t: Spectrum,
-        density: &DensityRange,
-    ) {
-        self.add_emission(draws, from, to, t, density.most, |_, emission| emission);
+    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, depth: f32, density: &DensityRange) {
+        self.add_emission(draws, from, to, depth, density.most, |_, emission| emission);
         self.passed.pass(density, to - from);
     }
 
@@ -606,19 +526,12 @@ struct HotDeltaTracking<'a> {
     heat: &'a Heat,
 }
 
-impl CollisionVisitor<DensityRange> for HotDeltaTracking<'_> {
+impl CollisionVisitor<DensityRange, f32> for HotDeltaTracking<'_> {
     #[inline]
-    fn pass(
-        &mut self,
-        draws: &mut SampleStream<'_>,
-        from: f32,
-        to: f32,
-        t: Spectrum,
-        density: &DensityRange,
-    ) {
+    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, depth: f32, density: &DensityRange) {
         let HotDeltaTracking { tracking, heat } = self;
         let wavelengths = tracking.wavelengths;
-        tracking.add_emission(draws, from, to, t, density.most, |p, _| heat.emission(p, &wavelengths));
+        tracking.add_emission(draws, from, to, depth, density.most, |p, _| heat.emission(p, &wavelengths));
         tracking.passed.pass(density, to - from);
     }
 
@@ -638,7 +551,8 @@ impl CollisionVisitor<DensityRange> for HotDeltaTracking<'_> {
 /// collision that scatters it, if there is one.
 ///
 /// Takes a number for each collision with the majorant and, where the density varies, another one for what it is; where the medium gives
-/// light and scatters, one for each stretch between them.
+/// light and scatters, one before all of them for the points at which it is asked for, or where the ray has no end, one for each stretch
+/// between collisions.
 pub(super) fn sample_collision_in<'a>(
     scene: &'a Scene,
     path: &mut PathState<'_>,
@@ -655,11 +569,18 @@ pub(super) fn sample_collision_in<'a>(
         if let Some(emission) = emission {
             path.emitted += path.beta * emission * emission_integral(stretch.sigma_t + absorption(), length);
         }
-        path.beta *= stretch.transmittance_at(1.0, length);
+        path.beta *= stretch.transmittance_of(length);
         return None;
     }
-    let on_the_way = |radiance| EmissionAlongRay { radiance, sigma_a: absorption(), found: path.emitted };
     let ray = Ray { t_min: 0.0, t_max: length, ..path.ray };
+    let is_collected = gives_light && coefficients.emits();
+    let u = if is_collected { path.draws.next_1d() } else { 0.0 };
+    let on_the_way = |radiance| EmissionAlongRay {
+        points: EmissionPoints::along(&stretch, &ray, path.scatterings, |density| density.most, u),
+        radiance,
+        sigma_a: absorption(),
+        found: path.emitted,
+    };
     let mut tracking = DeltaTracking {
         stretch: &stretch,
         ray: &ray,
@@ -767,7 +688,7 @@ impl Passage {
     ) {
         let stretch = MediumAlongRay::new(scene, medium, wavelengths, hero);
         if scene.appearance.media.is_homogeneous(medium) {
-            let t = stretch.transmittance_at(1.0, ray.t_max);
+            let t = stretch.transmittance_of(ray.t_max);
             self.t *= t;
             // Paths go through what scatters nothing with the probability 1.
             if scene.appearance.media.coefficients(medium).scatters() {
@@ -811,9 +732,9 @@ struct RatioTracking<'a> {
     passed: PassedDensities,
 }
 
-impl CollisionVisitor<DensityRange> for RatioTracking<'_> {
+impl CollisionVisitor<DensityRange, f32> for RatioTracking<'_> {
     #[inline]
-    fn pass(&mut self, _: &mut SampleStream<'_>, from: f32, to: f32, _: Spectrum, density: &DensityRange) {
+    fn pass(&mut self, _: &mut SampleStream<'_>, from: f32, to: f32, _: f32, density: &DensityRange) {
         self.passed.pass(density, to - from);
     }
 

@@ -25,6 +25,7 @@
 //! * [`sample_light`], [`connect`]: a light drawn for a vertex, and what comes along a segment to it
 //! * [`follow_phase`], [`connect_through_media`]: the same in media, where [`Event::Medium`] is a collision that scatters
 //! * [`EquiangularRay`]: light drawn for a point of a ray through a medium
+//! * [`VolumeDirection`]: a direction drawn towards media that emit, and their light along it
 //! * [`ManifoldWalk`]: a light drawn for a vertex that stands behind clear boundaries, and the chain of refractions that joins both
 //! * [`follow`], [`survives`]: on along a scattered direction, and Russian roulette
 //!
@@ -36,6 +37,7 @@ mod arrival;
 mod collisions;
 mod curves;
 mod differentials;
+mod emission_points;
 mod equiangular;
 mod frequency;
 mod lane_mis;
@@ -44,9 +46,11 @@ mod manifold;
 mod media;
 mod medium_stack;
 mod mis;
+mod null_collisions;
 mod overlap;
 mod path_state;
 pub mod steps;
+mod volume_light;
 
 pub use arrival::{TracedSegment, arrive};
 pub use collisions::{MediumInteraction, Passage, lane_densities};
@@ -64,3 +68,4 @@ pub use steps::{
     ChosenLight, DrawnLight, Event, advance, choose_light, connect, cross_hidden, follow, light_of_choice,
     pass_straight, sample_light, shade, survives, survives_guided, survives_in_medium,
 };
+pub use volume_light::{VolumeDirection, pdf_to_volumes, weight_of_emission};

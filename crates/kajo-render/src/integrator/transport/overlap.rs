@@ -29,12 +29,11 @@ use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3};
 
-use super::collisions::{
-    self, CollisionVisitor, MediumAlongRay, MediumInteraction, NullCollisionMedium, Passage, Span, Walked,
-    emission_integral, walk,
-};
+use super::collisions::{self, MediumAlongRay, MediumInteraction, Passage, Walked, emission_integral};
+use super::emission_points::EmissionPoints;
 use super::lane_mis::all_lanes;
 use super::medium_stack::{MOST_MEDIA, MediumStack};
+use super::null_collisions::{CollisionVisitor, NullCollisionMedium, Span, walk};
 use super::{LaneMis, PathState};
 use crate::trail::{About, PathObserver};
 
@@ -153,6 +152,14 @@ impl<'a> Overlap<'a> {
         SummedCoefficients { densities, real: self.extinction(&densities), null: self.extinction(&rest) }
     }
 
+    /// The sum of the majorants of those that emit.
+    fn most_emissive(&self, most: &Most) -> f32 {
+        let each = self.parts.iter().zip(most.densities);
+        each.filter(|(part, _)| part.as_ref().is_some_and(|part| part.coefficients.emits()))
+            .map(|(_, density)| density)
+            .sum()
+    }
+
     /// Radiance per unit length that all of them give at a point.
     ///
     /// * `time`: moment within the shutter interval
@@ -217,6 +224,7 @@ struct Choice {
 
 impl NullCollisionMedium for Overlap<'_> {
     type Most = Most;
+    type Depth = Spectrum;
 
     fn spans(&self, ray: &Ray) -> impl Iterator<Item = Span<Most>> {
         let walks = self.parts.each_ref().map(|part| part.as_ref().map(|part| part.stretch.majorants(ray)));
@@ -235,8 +243,12 @@ impl NullCollisionMedium for Overlap<'_> {
         most.sigma[self.hero]
     }
 
-    fn transmittance(&self, most: &Most, length: f32) -> Spectrum {
-        transmittance(most.sigma, length)
+    fn depth(&self, most: &Most, length: f32) -> Spectrum {
+        most.sigma * length.min(f32::MAX)
+    }
+
+    fn transmittance(&self, depth: Spectrum) -> Spectrum {
+        (depth * -1.0).exp()
     }
 }
 
@@ -304,25 +316,36 @@ struct OverlapDeltaTracking<'a> {
     scattered: Option<(f32, usize)>,
     /// Light that they gave so far, where that counts.
     emitted: Option<Spectrum>,
+    /// Where that is asked for; where there are none, at one point of each stretch without a collision.
+    points: Option<EmissionPoints>,
     /// What absorbs this light besides the media.
     sigma_a: Spectrum,
 }
 
-impl CollisionVisitor<Most> for OverlapDeltaTracking<'_> {
-    /// As in one medium: the light given along a stretch without collisions, at one point of it.
-    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, t: Spectrum, most: &Most) {
+impl CollisionVisitor<Most, Spectrum> for OverlapDeltaTracking<'_> {
+    /// As in one medium: the light given along a stretch without collisions, at some points of it.
+    fn pass(&mut self, draws: &mut SampleStream<'_>, from: f32, to: f32, depth: Spectrum, most: &Most) {
         let Some(emitted) = &mut self.emitted else { return };
-        let at = from + draws.next_1d() * (to - from);
-        let p = self.ray.at(at);
-        let t = t * self.all.transmittance(most, at - from);
-        let ratio = t * (1.0 / t[self.all.hero]);
-        let mean = self.all.wavelengths.mean(self.lanes.r_u * ratio);
-        let time = self.ray.time;
-        let radiance = self.all.emission(p, time, &self.all.densities(p, time));
-        let added = self.beta * ratio * radiance * (self.sigma_a * -at).exp() * ((to - from) / mean);
-        if added.is_finite() {
-            *emitted += added;
+        let mut add = |at: f32, length: f32| {
+            let p = self.ray.at(at);
+            let t = self.all.transmittance(depth + self.all.depth(most, at - from));
+            let ratio = t * (1.0 / t[self.all.hero]);
+            let mean = self.all.wavelengths.mean(self.lanes.r_u * ratio);
+            let time = self.ray.time;
+            let radiance = self.all.emission(p, time, &self.all.densities(p, time));
+            let added = self.beta * ratio * radiance * (self.sigma_a * -at).exp() * (length / mean);
+            if added.is_finite() {
+                *emitted += added;
+            }
+        };
+        let Some(points) = &mut self.points else {
+            return add(from + draws.next_1d() * (to - from), to - from);
+        };
+        let majorant = self.all.most_emissive(most);
+        while let Some((at, length)) = points.next_in(from, to, majorant) {
+            add(at, length);
         }
+        points.pass(from, to, majorant);
     }
 
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
@@ -413,6 +436,12 @@ fn sample_collision_in_all<'a>(
         path.beta *= transmittance(all.sigma_t + all.absorption, length);
         return None;
     }
+    let points = if gives_light {
+        let u = path.draws.next_1d();
+        EmissionPoints::along(&all, &ray, path.scatterings, |most| all.most_emissive(most), u)
+    } else {
+        None
+    };
     let mut tracking = OverlapDeltaTracking {
         all: &all,
         ray: &ray,
@@ -420,6 +449,7 @@ fn sample_collision_in_all<'a>(
         lanes: path.lanes,
         scattered: None,
         emitted: gives_light.then_some(path.emitted),
+        points,
         sigma_a,
     };
     let arrives = walk(&all, &ray, &mut path.draws, &mut tracking);
@@ -471,7 +501,7 @@ struct OverlapRatioTracking<'a> {
     passage: Passage,
 }
 
-impl CollisionVisitor<Most> for OverlapRatioTracking<'_> {
+impl CollisionVisitor<Most, Spectrum> for OverlapRatioTracking<'_> {
     fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, most: &Most) -> bool {
         let SummedCoefficients { null, .. } = self.all.at(self.ray.at(at), self.ray.time, most);
         let hero = t[self.all.hero] * most.sigma[self.all.hero];

@@ -212,6 +212,9 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         self.observer.found(|| sensor::to_rgb(light, &path.state.wavelengths));
         self.estimate.light += light;
         self.add_direct_light(path, surface, bsdf, local);
+        if path.state.carries_media {
+            self.add_volume_light(path, surface, bsdf, local);
+        }
         if bsdf.is_lambertian() && !self.indirect.scattering_finds_lights() {
             return Some(false);
         }
