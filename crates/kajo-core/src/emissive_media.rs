@@ -1,5 +1,7 @@
 //! The bodies of media of a scene that emit, and what each part of them does.
 
+use std::cmp::Reverse;
+
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Aabb, Ray, Vec3};
 
@@ -10,6 +12,9 @@ use crate::space::Space;
 
 /// Points along each side of a cell at which it is asked what it emits.
 const POINTS: u32 = 2;
+
+/// Bodies that directions are drawn to; the faintest of more are found by scattering alone.
+const MOST_VOLUMES: usize = 64;
 
 /// How often what emits is looked for within a smaller box.
 const MOST_CLOSER_LOOKS: u32 = 2;
@@ -29,36 +34,66 @@ fn volumes_of(scene: &Scene) -> EmissiveVolumes {
         return EmissiveVolumes::default();
     }
     let primitives = ObjectId::all(scene.geometry.primitives.len()).zip(&scene.geometry.primitives);
-    let volume = |(object, primitive): (_, &Primitive)| volume_of(scene, object, primitive);
-    EmissiveVolumes::brightest(primitives.filter_map(volume).collect())
+    let of = |(object, primitive): (_, &Primitive)| EmissiveBody::of(scene, object, primitive);
+    let mut bodies: Vec<EmissiveBody<'_>> = primitives.filter_map(of).collect();
+    if bodies.len() > MOST_VOLUMES {
+        // From 0 on, numbers have the order of their bits.
+        bodies.sort_by_cached_key(|body| Reverse(body.rough_power().to_bits()));
+        bodies.truncate(MOST_VOLUMES);
+    }
+    EmissiveVolumes::new(bodies.iter().filter_map(EmissiveBody::volume).collect())
 }
 
-/// What an object holds.
-fn volume_of(scene: &Scene, object: ObjectId, primitive: &Primitive) -> Option<EmissiveVolume> {
-    let media = &scene.appearance.media;
-    let medium = scene.appearance.materials.medium(primitive.material)?;
-    if !media.coefficients(medium).emits() || !scene.appearance.has_passages(primitive.material) {
-        return None;
-    }
-    let own = scene.geometry.world_bounds(primitive);
-    let bounds = media.bounds(medium).map_or(own, |bounds| bounds.intersection(own));
-    if bounds.is_empty() || !bounds.is_finite() || bounds.extent().min_element() <= 0.0 {
-        return None;
-    }
-    let table = |bounds: Aabb| {
-        let size = EmissiveVolume::cells(&bounds);
-        (bounds, size, emission_by_cells(scene, object, medium, &bounds, size))
-    };
-    let (mut bounds, mut size, mut emission) = table(bounds);
-    // A small flame in a large box is looked at more closely.
-    for _ in 0..MOST_CLOSER_LOOKS {
-        let part = emissive_part(&bounds, size, &emission);
-        if part.is_empty() || part.extent().element_product() > 0.5 * bounds.extent().element_product() {
-            break;
+/// An object with a medium that emits.
+struct EmissiveBody<'a> {
+    scene: &'a Scene,
+    object: ObjectId,
+    medium: MediumId,
+    /// World space; not flat.
+    bounds: Aabb,
+}
+
+impl<'a> EmissiveBody<'a> {
+    /// What an object holds.
+    fn of(scene: &'a Scene, object: ObjectId, primitive: &Primitive) -> Option<EmissiveBody<'a>> {
+        let media = &scene.appearance.media;
+        let medium = scene.appearance.materials.medium(primitive.material)?;
+        if !media.coefficients(medium).emits() || !scene.appearance.has_passages(primitive.material) {
+            return None;
         }
-        (bounds, size, emission) = table(part);
+        let own = scene.geometry.world_bounds(primitive);
+        let bounds = media.bounds(medium).map_or(own, |bounds| bounds.intersection(own));
+        let usable = !bounds.is_empty() && bounds.is_finite() && bounds.extent().min_element() > 0.0;
+        usable.then_some(EmissiveBody { scene, object, medium, bounds })
     }
-    EmissiveVolume::new(bounds, size, &emission)
+
+    /// What all of its box would give, by few points, up to a factor; not negative.
+    fn rough_power(&self) -> f32 {
+        const SIDE: u32 = 4;
+        let step = self.bounds.extent() / SIDE as f32;
+        let place =
+            |i: u32| Vec3::from([i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE)].map(|k| k as f32 + 0.5));
+        let at = |i: u32| self.emission_at(self.bounds.min + step * place(i), 0.0);
+        (0..SIDE.pow(3)).map(at).sum::<f32>() * step.element_product()
+    }
+
+    /// What is drawn of it.
+    fn volume(&self) -> Option<EmissiveVolume> {
+        let table = |bounds: Aabb| {
+            let size = EmissiveVolume::cells(&bounds);
+            (bounds, size, self.emission_by_cells(&bounds, size))
+        };
+        let (mut bounds, mut size, mut emission) = table(self.bounds);
+        // A small flame in a large box is looked at more closely.
+        for _ in 0..MOST_CLOSER_LOOKS {
+            let part = emissive_part(&bounds, size, &emission);
+            if part.is_empty() || part.extent().element_product() > 0.5 * bounds.extent().element_product() {
+                break;
+            }
+            (bounds, size, emission) = table(part);
+        }
+        EmissiveVolume::new(bounds, size, &emission)
+    }
 }
 
 /// The part of a box whose cells emit, and a cell more to all sides.
@@ -73,33 +108,45 @@ fn emissive_part(bounds: &Aabb, size: [u32; 3], emission: &[f32]) -> Aabb {
     Aabb::around(corners).intersection(*bounds)
 }
 
-/// What is given by each cell of a box around an object, x first: radiance per unit length, the mean of red, green and blue and of
-/// points in the cell, at moments spread over the shutter's interval.
-fn emission_by_cells(
-    scene: &Scene,
-    object: ObjectId,
-    medium: MediumId,
-    bounds: &Aabb,
-    size: [u32; 3],
-) -> Vec<f32> {
-    let [nx, ny, nz] = size;
-    let mut cells = vec![0.0; (nx * ny * nz) as usize];
-    let step = bounds.extent() / Vec3::from(size.map(|n| (n * POINTS) as f32));
-    let lines = (0..nz * POINTS).flat_map(|z| (0..ny * POINTS).map(move |y| [y, z]));
-    for (i, [y, z]) in lines.enumerate() {
-        let time = (i as f64 * 0.618_033_988_749_894_9).fract() as f32;
-        let start = bounds.min + step * Vec3::new(0.0, y as f32 + 0.5, z as f32 + 0.5);
-        let ray = Ray { time, ..Ray::new(start, Vec3::X) };
-        let inside = Inside::of(scene, object, &ray);
-        for x in 0..nx * POINTS {
-            let t = step.x * (x as f32 + 0.5);
-            if inside.holds(t) {
-                let cell = ((z / POINTS * ny + y / POINTS) * nx + x / POINTS) as usize;
-                cells[cell] += emission_at(scene, medium, ray.at(t), time) / POINTS.pow(3) as f32;
+impl EmissiveBody<'_> {
+    /// What is given by each cell of a box around an object, x first: radiance per unit length, the mean of red, green and blue and of
+    /// points in the cell, at moments spread over the shutter's interval.
+    fn emission_by_cells(&self, bounds: &Aabb, size: [u32; 3]) -> Vec<f32> {
+        let [nx, ny, nz] = size;
+        let mut cells = vec![0.0; (nx * ny * nz) as usize];
+        let step = bounds.extent() / Vec3::from(size.map(|n| (n * POINTS) as f32));
+        let lines = (0..nz * POINTS).flat_map(|z| (0..ny * POINTS).map(move |y| [y, z]));
+        for (i, [y, z]) in lines.enumerate() {
+            let time = (i as f64 * 0.618_033_988_749_894_9).fract() as f32;
+            let start = bounds.min + step * Vec3::new(0.0, y as f32 + 0.5, z as f32 + 0.5);
+            let ray = Ray { time, ..Ray::new(start, Vec3::X) };
+            let inside = Inside::of(self.scene, self.object, &ray);
+            for x in 0..nx * POINTS {
+                let t = step.x * (x as f32 + 0.5);
+                if inside.holds(t) {
+                    let cell = ((z / POINTS * ny + y / POINTS) * nx + x / POINTS) as usize;
+                    cells[cell] += self.emission_at(ray.at(t), time) / POINTS.pow(3) as f32;
+                }
             }
         }
+        cells
     }
-    cells
+
+    /// Radiance per unit length, the mean of red, green and blue; 0 where that is no number.
+    fn emission_at(&self, p: Vec3, time: f32) -> f32 {
+        let &EmissiveBody { scene, medium, .. } = self;
+        let (media, rgb) = (&scene.appearance.media, &Wavelengths::RGB);
+        let p = media.velocities(medium).map_or(p, |velocities| velocities.source(p, time));
+        let density = scene.appearance.density(medium, p);
+        let coefficients = media.coefficients(medium);
+        let given = match coefficients.heat() {
+            Some(heat) => heat.emission(p, rgb),
+            None => coefficients.emission(rgb).unwrap_or(Spectrum::BLACK),
+        };
+        let [r, g, b] = given.to_rgb();
+        let mean = density * (r + g + b) / 3.0;
+        if mean.is_finite() { mean.max(0.0) } else { 0.0 }
+    }
 }
 
 /// Where a ray is inside an object.
@@ -124,19 +171,4 @@ impl Inside {
     fn holds(&self, t: f32) -> bool {
         self.crossings.iter().filter(|(at, _)| *at > t).map(|(_, leaves)| leaves).sum::<i32>() > 0
     }
-}
-
-/// Radiance per unit length, the mean of red, green and blue; 0 where that is no number.
-fn emission_at(scene: &Scene, medium: MediumId, p: Vec3, time: f32) -> f32 {
-    let (media, rgb) = (&scene.appearance.media, &Wavelengths::RGB);
-    let p = media.velocities(medium).map_or(p, |velocities| velocities.source(p, time));
-    let density = scene.appearance.density(medium, p);
-    let coefficients = media.coefficients(medium);
-    let given = match coefficients.heat() {
-        Some(heat) => heat.emission(p, rgb),
-        None => coefficients.emission(rgb).unwrap_or(Spectrum::BLACK),
-    };
-    let [r, g, b] = given.to_rgb();
-    let mean = density * (r + g + b) / 3.0;
-    if mean.is_finite() { mean.max(0.0) } else { 0.0 }
 }

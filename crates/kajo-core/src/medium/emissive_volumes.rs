@@ -27,9 +27,6 @@ use super::MajorantGrid;
 /// Cells along the longest side of a body.
 const CELLS: f32 = 24.0;
 
-/// Bodies that directions are drawn to; the faintest of more are found by scattering alone.
-const MOST_VOLUMES: usize = 64;
-
 /// Part of the mean emission that each cell counts with at least, lest what the points miss be left undrawn.
 const LEAST_SHARE: f32 = 0.01;
 
@@ -55,10 +52,8 @@ pub(crate) struct EmissiveVolume {
 }
 
 impl EmissiveVolumes {
-    /// The brightest of some.
-    pub(crate) fn brightest(mut volumes: Vec<EmissiveVolume>) -> EmissiveVolumes {
-        volumes.sort_by(|a, b| b.power.total_cmp(&a.power));
-        volumes.truncate(MOST_VOLUMES);
+    /// * `volumes`: not many, since each question is asked of all
+    pub(crate) fn new(volumes: Vec<EmissiveVolume>) -> EmissiveVolumes {
         EmissiveVolumes { volumes }
     }
 
