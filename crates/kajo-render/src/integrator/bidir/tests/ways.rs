@@ -160,6 +160,9 @@ pub(super) fn check_ways_within(text: &str, bounces: u32, samples: u32, noise: f
         assert_same(&all, &expected, &format!("{points} points, all ways"));
         for s in 0..points {
             let alone = estimate(&sums.alone[points as usize][s as usize]);
+            // Two collisions near each other are joined by 1/d², whose variance has no bound: one sample of millions may decide it.
+            let joins_collisions = scene.has_media() && (2..points - 1).contains(&s);
+            let noise = if joins_collisions { 3.0 * noise } else { noise };
             assert_same_within(&alone, &all, noise, &format!("{points} points, {s} from the light"));
         }
     }
