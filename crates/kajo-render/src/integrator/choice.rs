@@ -75,7 +75,11 @@ fn try_out(scene: &Scene) -> Choice {
     }
     let power_sampler = scene.power_light_sampler();
     if power_sampler.sample(0.5).is_none() {
-        return of(&path::PATH, "nothing in it gives light");
+        let why = match scene.appearance.has_emissive_media() {
+            true => "its light is that of media that emit, which paths find",
+            false => "nothing in it gives light",
+        };
+        return of(&path::PATH, why);
     }
     let caustics = caustics(scene);
     if caustics > 0.0 && hidden_light::share(scene) > HIDDEN {

@@ -114,6 +114,7 @@ fn what_one_integrator_alone_knows_is_for_that_one() {
         "ambient light",
     );
     check("", "", "path", "nothing in it gives light");
+    check("Media { Medium gas { emission 1  sigma_a 1 } exterior gas }", "", "path", "media that emit");
 }
 
 #[test]
