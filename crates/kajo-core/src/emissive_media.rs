@@ -138,12 +138,8 @@ impl EmissiveBody<'_> {
         let (media, rgb) = (&scene.appearance.media, &Wavelengths::RGB);
         let p = media.velocities(medium).map_or(p, |velocities| velocities.source(p, time));
         let density = scene.appearance.density(medium, p);
-        let coefficients = media.coefficients(medium);
-        let given = match coefficients.heat() {
-            Some(heat) => heat.emission(p, rgb),
-            None => coefficients.emission(rgb).unwrap_or(Spectrum::BLACK),
-        };
-        let [r, g, b] = given.to_rgb();
+        let given = media.coefficients(medium).emission_at(p, rgb);
+        let [r, g, b] = given.map_or([0.0; 3], Spectrum::to_rgb);
         let mean = density * (r + g + b) / 3.0;
         if mean.is_finite() { mean.max(0.0) } else { 0.0 }
     }

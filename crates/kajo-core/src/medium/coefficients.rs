@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use kajo_color::{Emission, Reflectance, Spectrum, Unbounded, Wavelengths};
+use kajo_math::Vec3;
 
 use super::{AlbedoGrid, Heat, Phase, albedo_of};
 
@@ -187,6 +188,17 @@ impl Coefficients {
     #[inline]
     pub fn emission(&self, wavelengths: &Wavelengths) -> Option<Spectrum> {
         self.emission.as_ref().map(|emission| emission.at(wavelengths))
+    }
+
+    /// Radiance per unit length that the density 1 of it gives itself at a point, where it gives any.
+    ///
+    /// * `p`: in world space, where its matter was at the moment that its grids are of
+    #[inline]
+    pub fn emission_at(&self, p: Vec3, wavelengths: &Wavelengths) -> Option<Spectrum> {
+        match self.heat() {
+            Some(heat) => Some(heat.emission(p, wavelengths)),
+            None => self.emission(wavelengths),
+        }
     }
 
     /// Whether it gives light.

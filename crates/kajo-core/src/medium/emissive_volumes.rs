@@ -20,6 +20,7 @@
 //!
 //! No estimate depends on how well the cells are known: where they say less than there is, directions drawn by scattering find the light.
 
+use kajo_math::piecewise::Piecewise1D;
 use kajo_math::{Aabb, Ray, Vec2, Vec3};
 
 use super::MajorantGrid;
@@ -42,8 +43,8 @@ pub(crate) struct EmissiveVolume {
     /// Density per volume of points, by cells; both of its bounds are the same.
     density: MajorantGrid,
     size: [u32; 3],
-    /// The probabilities of all cells up to each, x first.
-    sums: Vec<f32>,
+    /// The probabilities of cells, x first.
+    cells: Piecewise1D,
     middle: Vec3,
     /// Half the diagonal of its box, squared.
     radius2: f32,
@@ -110,29 +111,18 @@ impl EmissiveVolume {
     /// * `size`: cells along each axis
     /// * `emission`: of cells, radiance per unit length, x first
     pub(crate) fn new(bounds: Aabb, size: [u32; 3], emission: &[f32]) -> Option<EmissiveVolume> {
-        let sum: f64 = emission.iter().map(|&e| f64::from(e)).sum();
-        let least = f64::from(LEAST_SHARE) * sum / emission.len() as f64;
-        let weight = |cell: usize| f64::from(emission[cell]).max(least);
-        let all: f64 = (0..emission.len()).map(weight).sum();
-        let cell = (bounds.extent() / Vec3::from(size.map(|n| n as f32))).as_dvec3();
-        let volume = cell.x * cell.y * cell.z;
-        if !(all > 0.0 && all.is_finite() && volume > 0.0) {
-            return None;
-        }
+        let mean = emission.iter().sum::<f32>() / emission.len() as f32;
+        let weights: Vec<f32> = emission.iter().map(|e| e.max(LEAST_SHARE * mean)).collect();
+        let cells = Piecewise1D::new(&weights)?;
+        let cell_volume = (bounds.extent() / Vec3::from(size.map(|n| n as f32))).element_product();
         let [nx, ny, _] = size;
         let density = MajorantGrid::new(bounds, size, |[x, y, z]| {
-            let density = weight(((z * ny + y) * nx + x) as usize) / (all * volume);
-            [density as f32; 2]
+            [cells.probability(((z * ny + y) * nx + x) as usize) / cell_volume; 2]
         });
-        let sums = (0..emission.len()).scan(0.0, |sum: &mut f64, cell| {
-            *sum += weight(cell) / all;
-            Some(*sum as f32)
-        });
-        let sums = sums.collect();
         let radius2 = 0.25 * bounds.extent().length_squared();
-        let power = (all * volume) as f32;
+        let power = weights.iter().sum::<f32>() * cell_volume;
         let usable = density.largest().is_finite() && power > 0.0 && power.is_finite();
-        usable.then_some(EmissiveVolume { density, size, sums, middle: bounds.center(), radius2, power })
+        usable.then_some(EmissiveVolume { density, size, cells, middle: bounds.center(), radius2, power })
     }
 
     /// `Φ / max(D^2, R^2)`.
@@ -145,8 +135,7 @@ impl EmissiveVolume {
     /// * `choice`: uniform in [0, 1), chooses the cell
     /// * `u`: uniform in [0, 1)³
     fn point(&self, choice: f32, u: Vec3) -> Vec3 {
-        let last = self.sums.len() - 1;
-        let cell = self.sums.partition_point(|&sum| sum <= choice).min(last) as u32;
+        let cell = self.cells.cell_of(choice).0 as u32;
         let [nx, ny, _] = self.size;
         let place = Vec3::from([cell % nx, cell / nx % ny, cell / (nx * ny)].map(|k| k as f32));
         let bounds = self.density.bounds();

@@ -14,7 +14,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::LightGroup;
-use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::LightLeSample;
 use kajo_core::scene::{Interaction, Scene};
@@ -218,15 +218,7 @@ impl Subpath<'_> {
             None => {
                 let (scattered, local) = (vertex.gathered(wi), vertex.local(vertex.wo).to_local(wi));
                 let Some(local) = local.filter(|_| !scattered.is_black()) else { return };
-                let kind = ScatterKind { transmission: vertex.side(wi) == 1, delta: false, straight: false };
-                let weight = scattered * (weight / pdf);
-                follow(
-                    &mut drawn.state,
-                    surface,
-                    wi,
-                    &BsdfSample { wi: local, weight, pdf, kind, eta: 1.0 },
-                    observer,
-                );
+                drawn.follow(surface, (local, vertex.side(wi) == 1), scattered, weight, observer);
             }
         }
         drawn.emission(scene, observer, found);

@@ -234,6 +234,21 @@ fn an_even_sky_is_kept() {
     assert!((mean(&drawn) / mean(&expected) - 1.0).abs() < 0.005);
 }
 
+/// Light of media is direct light, which is drawn and not part of what is kept: with a ball of gas in its middle the wall of a hollow
+/// ball has the irradiance `e V / R^2` of the gas, and that over `1 - albedo` in all.
+#[test]
+fn light_of_media_counts_once() {
+    let text = format!(
+        "{} Media {{ Medium gas {{ emission 5 }} }} Materials {{ Interface hot {{ medium gas }}  Matte wall {{ color 0.6 0.6 0.6 }} }}
+         Group {{ MaterialIndex wall Sphere {{ center 0 0 0  radius 1 }}  MaterialIndex hot Sphere {{ center 0 0 0  radius 0.3 }} }}",
+        camera([0.5, 0.0, 0.0], [1.0, 0.2, 0.1], 60.0)
+    );
+    let scene = scene(&text);
+    let found = mean(&cached(&scene, with(Gradients::Occlusion), [16, 16], 16));
+    let expected = 0.6 / PI * 5.0 * (4.0 / 3.0 * PI * 0.3f64.powi(3)) / (1.0 - 0.6);
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+}
+
 /// A floor beside a bright wall whose light it gets, with much fewer records the less accurate they are.
 #[test]
 fn the_error_falls_with_the_accuracy() {

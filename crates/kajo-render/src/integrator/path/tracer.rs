@@ -393,10 +393,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             }
         }
         if !is_delta && settings.technique != Technique::Scattering {
-            self.add_direct_light(path, surface, bsdf, &local);
-            if path.state.carries_media {
-                self.add_volume_light(path, surface, bsdf, &local);
-            }
+            self.add_drawn_light(path, surface, bsdf, &local);
         }
         if C::GUIDES {
             return self.scatter_guided(path, surface, bsdf, &local);

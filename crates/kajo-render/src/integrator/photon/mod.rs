@@ -304,8 +304,7 @@ impl Integrator for PhotonMapping<'_> {
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         let wavelengths = self.view.wavelengths_of_pass(setup.seed ^ WAVELENGTH_SALT, k);
         let (maps, rays, notes) = self.maps(k, &wavelengths, setup)?;
-        let media = &self.view.scene.appearance.media;
-        let has_emissive_media = media.ids().any(|medium| media.coefficients(medium).emits());
+        let has_emissive_media = self.view.scene.appearance.has_emissive_media();
         let integrator =
             Photons { view: &self.view, settings: self.settings, maps, wavelengths, has_emissive_media };
         Ok(WithState { integrator: Box::new(integrator), rays, notes })

@@ -168,10 +168,7 @@ impl<'a> Overlap<'a> {
         let each = self.parts.iter().zip(densities).filter(|&(_, &density)| density > 0.0);
         each.fold(Spectrum::BLACK, |sum, (part, &density)| {
             let Some(Part { stretch, coefficients }) = part else { return sum };
-            let emission = match coefficients.heat() {
-                Some(heat) => Some(heat.emission(stretch.source(p, time), wavelengths)),
-                None => coefficients.emission(wavelengths),
-            };
+            let emission = coefficients.emission_at(stretch.source(p, time), wavelengths);
             emission.map_or(sum, |emission| sum + emission * density)
         })
     }

@@ -12,12 +12,13 @@
 //! rays go through surfaces, media and null collisions by the same steps.
 
 use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::bsdf::{BsdfSample, ScatterKind};
 use kajo_core::medium::{PhaseSample, phase::PhaseValue};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::Vec3;
 
 use super::{
-    Event, MediumInteraction, PathState, SurfaceInteraction, advance, follow_phase, pass_straight,
+    Event, MediumInteraction, PathState, SurfaceInteraction, advance, follow, follow_phase, pass_straight,
     power_heuristic, shade,
 };
 use crate::trail::PathObserver;
@@ -50,6 +51,26 @@ impl<'s> VolumeDirection<'s> {
         let (u, v) = (draws.next_2d(), draws.next_2d());
         let (wi, pdf) = volumes.sample(from, u, v)?;
         Some(VolumeDirection { state: PathState { draws, differential: None, ..*path }, wi, pdf })
+    }
+
+    /// Goes into it from a surface.
+    ///
+    /// * `in_frame`: the direction in the frame in which the surface scatters
+    /// * `crosses`: whether it leads to the other side
+    /// * `scattered`: `f |cos|` for the direction
+    /// * `weight`: of the light that is found
+    pub fn follow(
+        &mut self,
+        surface: &SurfaceInteraction,
+        (in_frame, crosses): (Vec3, bool),
+        scattered: Spectrum,
+        weight: f32,
+        observer: &mut impl PathObserver,
+    ) {
+        let kind = ScatterKind { transmission: crosses, delta: false, straight: false };
+        let weight = scattered * (weight / self.pdf);
+        let sample = BsdfSample { wi: in_frame, weight, pdf: self.pdf, kind, eta: 1.0 };
+        follow(&mut self.state, surface, self.wi, &sample, observer);
     }
 
     /// Goes into it from a point in a medium.

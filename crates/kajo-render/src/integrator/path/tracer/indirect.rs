@@ -211,10 +211,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let light = path.state.beta * reflectance * irradiance * std::f32::consts::FRAC_1_PI;
         self.observer.found(|| sensor::to_rgb(light, &path.state.wavelengths));
         self.estimate.light += light;
-        self.add_direct_light(path, surface, bsdf, local);
-        if path.state.carries_media {
-            self.add_volume_light(path, surface, bsdf, local);
-        }
+        self.add_drawn_light(path, surface, bsdf, local);
         if bsdf.is_lambertian() && !self.indirect.scattering_finds_lights() {
             return Some(false);
         }

@@ -2,13 +2,13 @@
 
 use kajo_color::sensor;
 use kajo_core::LightGroup;
-use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
+use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::settings::Technique;
 
 use super::{CameraPath, IndirectLight, PathTracer, TwoFrames};
 use crate::integrator::transport::{
-    LocalFrame, MediumInteraction, SurfaceInteraction, VolumeDirection, follow, pdf_to_volumes,
-    power_heuristic, weight_of_emission,
+    LocalFrame, MediumInteraction, SurfaceInteraction, VolumeDirection, pdf_to_volumes, power_heuristic,
+    weight_of_emission,
 };
 use crate::trail::PathObserver;
 
@@ -31,10 +31,24 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
     }
 
+    /// Adds the light of one light, and of media that emit, that comes directly to a surface and goes on from there.
+    pub(super) fn add_drawn_light(
+        &mut self,
+        path: &mut CameraPath<'s>,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'s>,
+        local: &LocalFrame,
+    ) {
+        self.add_direct_light(path, surface, bsdf, local);
+        if path.state.carries_media {
+            self.add_volume_light(path, surface, bsdf, local);
+        }
+    }
+
     /// Adds light of media that comes directly to a surface and goes on from there.
     #[cold]
     #[inline(never)]
-    pub(super) fn add_volume_light(
+    fn add_volume_light(
         &mut self,
         path: &CameraPath<'s>,
         surface: &SurfaceInteraction,
@@ -52,10 +66,8 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         }
         let by_path = || self.pdf_of_path(bsdf, local.wo, TwoFrames { local: wi, world });
         let weight = self.weight_of_volume_light(pdf, by_path);
-        let kind = ScatterKind { transmission: crosses, delta: false, straight: false };
-        let sample = BsdfSample { wi, weight: scattered * (weight / pdf), pdf, kind, eta: 1.0 };
         let mark = self.observer.mark();
-        follow(&mut drawn.state, surface, world, &sample, self.observer);
+        drawn.follow(surface, (wi, crosses), scattered, weight, self.observer);
         self.add_emission_along(path, drawn);
         self.observer.back_to(mark);
     }
@@ -76,10 +88,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     ///
     /// * `by_path`: the density with which the path itself goes there
     fn weight_of_volume_light(&self, pdf: f32, by_path: impl FnOnce() -> f32) -> f32 {
-        match self.settings.technique {
-            Technique::Combined => power_heuristic(pdf, by_path()),
-            Technique::Lights | Technique::Scattering => 1.0,
-        }
+        if self.settings.technique == Technique::Combined { power_heuristic(pdf, by_path()) } else { 1.0 }
     }
 
     fn add_emission_along(&mut self, path: &CameraPath<'s>, drawn: VolumeDirection<'s>) {
