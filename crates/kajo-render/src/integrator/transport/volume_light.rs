@@ -100,11 +100,8 @@ impl<'s> VolumeDirection<'s> {
     ) {
         let mut state = self.state;
         let mut surface = SurfaceInteraction::default();
-        // No one asks for the first surface.
-        let mut first = Some(Interaction::default());
         loop {
-            let event = advance(scene, &mut state, &mut surface, &mut first, observer);
-            let emitted = std::mem::take(&mut state.emitted);
+            let (emitted, meets_surface) = emission_up_to_surface(scene, &mut state, &mut surface, observer);
             // Behind a hidden surface a path finds all of the light.
             if !state.connectable {
                 return;
@@ -112,18 +109,38 @@ impl<'s> VolumeDirection<'s> {
             if !emitted.is_black() {
                 found(emitted, &state.wavelengths, observer);
             }
-            if !matches!(event, Event::Surface) || !scene.appearance.has_passages {
-                return;
-            }
-            if surface.is_dispersive() && state.wavelengths.is_spectral() {
-                state.end_secondary_wavelengths();
-            }
-            let mut bsdf = shade(scene, &state, &surface);
-            if !pass_straight(scene, &mut state, &surface, &mut bsdf) {
+            if !meets_surface || !passes(scene, &mut state, &surface) {
                 return;
             }
         }
     }
+}
+
+/// What media give along the path's ray to its next event, and whether that is a surface.
+#[inline(never)]
+fn emission_up_to_surface(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    surface: &mut SurfaceInteraction,
+    observer: &mut impl PathObserver,
+) -> (Spectrum, bool) {
+    // No one asks for the first surface.
+    let mut first = Some(Interaction::default());
+    let event = advance(scene, path, surface, &mut first, observer);
+    (std::mem::take(&mut path.emitted), matches!(event, Event::Surface))
+}
+
+/// Whether the path goes straight on through a surface, which it then does.
+#[inline(never)]
+fn passes(scene: &Scene, path: &mut PathState<'_>, surface: &SurfaceInteraction) -> bool {
+    if !scene.appearance.has_passages {
+        return false;
+    }
+    if surface.is_dispersive() && path.wavelengths.is_spectral() {
+        path.end_secondary_wavelengths();
+    }
+    let mut bsdf = shade(scene, path, surface);
+    pass_straight(scene, path, surface, &mut bsdf)
 }
 
 /// The density with which light that media give along the ray of a path might have been found by [`VolumeDirection::sample`].
