@@ -51,7 +51,7 @@ impl Cargo {
 
 /// The folder in which cargo leaves what it has built.
 ///
-/// * `profile`: that folder of a profile, `debug` or `release`
+/// * `profile`: that folder of a profile, such as `debug` or `release`
 pub fn built(root: &Path, profile: &str) -> PathBuf {
     built_below(root, std::env::var_os("CARGO_TARGET_DIR"), profile)
 }

@@ -20,7 +20,7 @@ pub fn build(root: &Path, report: &mut Report) {
         Ok(environment) => environment,
         Err(why) => return report.skip("wheel", why),
     };
-    report.run("program of the wheel", Cargo::new(root, "build --release -p kajo-cli"));
+    report.run("program of the wheel", Cargo::new(root, "build --profile wheel -p kajo-cli"));
     if report.failed() {
         return;
     }
@@ -60,12 +60,12 @@ fn with_maturin(
     let scripts = package.join("kajo.data/scripts");
     let program = format!("kajo{}", std::env::consts::EXE_SUFFIX);
     fs::create_dir_all(&scripts).map_err(|error| told("a folder cannot be made", error))?;
-    fs::copy(steps::built(root, "release").join(&program), scripts.join(&program))
+    fs::copy(steps::built(root, "wheel").join(&program), scripts.join(&program))
         .map_err(|error| told("the program was not built", error))?;
     let folder = root.join(if users.is_some() { "target/wheels-free-threaded" } else { "target/wheels" });
     let _ = fs::remove_dir_all(&folder);
     let mut maturin = Command::new(tools.program("maturin"));
-    maturin.args(["build", "--release", "--out"]).arg(&folder).current_dir(&package);
+    maturin.args(["build", "--profile", "wheel", "--out"]).arg(&folder).current_dir(&package);
     if let Some(users) = users {
         maturin.arg("--interpreter").arg(users.program("python"));
     }
