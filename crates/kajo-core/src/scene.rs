@@ -108,9 +108,12 @@ pub struct Output {
 impl Scene {
     /// Whether what a ray finds depends on its time.
     pub fn moves(&self) -> bool {
-        self.output.camera.moves()
-            || self.appearance.has_moving_media
-            || self.geometry.motions.iter().any(MovingTransform::moves)
+        self.output.camera.moves() || self.has_moving_things()
+    }
+
+    /// Whether anything but the camera moves.
+    pub fn has_moving_things(&self) -> bool {
+        self.appearance.has_moving_media || self.geometry.motions.iter().any(MovingTransform::moves)
     }
 
     /// Whether anything asks what a sample covers, so that paths carry differentials.

@@ -16,6 +16,7 @@ use crate::context::Auxiliary;
 use crate::{FirstHit, Layer, LayerSet};
 
 /// A scene as a camera sees it in a picture of some size.
+#[derive(Clone)]
 pub(super) struct CameraView<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Camera,
@@ -26,6 +27,8 @@ pub(super) struct CameraView<'a> {
     layers: LayerSet,
     /// Whether rays need a time.
     moves: bool,
+    /// The moment of all rays, where they have one in common.
+    moment: Option<f32>,
     /// Whether camera rays may start inside a medium, so that each has to ask.
     is_immersed: bool,
     /// How wavelengths are drawn, where light is followed by wavelength.
@@ -50,17 +53,37 @@ impl RayFootprint {
     }
 }
 
+/// The golden ratio less 1, the step of wavelengths.
+pub(super) const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// A number in [0, 1) that all paths of pass `k` have in common: a multiple of `step`, without its whole part. Where no fraction is close to `step`, those of any
+/// number of passes are spread evenly [Niederreiter 1992, 3.1].
+///
+/// * `seed`: of these numbers alone
+/// * `step`: from pass to pass; another for each kind of number, so that they do not go together
+pub(super) fn number_of_pass(seed: u64, k: u32, step: f64) -> f32 {
+    let start = f64::from(Stream::new(seed, [0, 0], 0).uniform(0));
+    let u = (start + f64::from(k) * step).fract();
+    (u as f32).min(1.0 - f32::EPSILON)
+}
+
 impl<'a> CameraView<'a> {
     /// * `camera`: the scene's, or another one
     pub fn new(scene: &'a Scene, camera: &'a Camera, size: [u32; 2], layers: LayerSet) -> CameraView<'a> {
         let moves = scene.moves() || camera.moves();
         let film = raster(scene, camera, size);
-        CameraView { scene, camera, size, film, layers, moves, is_immersed: false, spectral: None }.immersed()
+        let (moment, is_immersed, spectral) = (None, false, None);
+        CameraView { scene, camera, size, film, layers, moves, moment, is_immersed, spectral }.immersed()
     }
 
     /// The same with light that is followed by wavelength, or in red, green and blue.
     pub fn spectral(self, is_spectral: bool) -> CameraView<'a> {
         CameraView { spectral: is_spectral.then(|| self.scene.wavelength_choice()), ..self }
+    }
+
+    /// The same with rays that are all of one moment, in [0, 1] while the shutter is open, if any is given.
+    pub fn at_moment(self, moment: Option<f32>) -> CameraView<'a> {
+        CameraView { moment, ..self }
     }
 
     /// What a path carries.
@@ -80,10 +103,7 @@ impl<'a> CameraView<'a> {
     ///
     /// * `seed`: of these numbers alone
     pub fn wavelengths_of_pass(&self, seed: u64, k: u32) -> Wavelengths {
-        let start = f64::from(Stream::new(seed, [0, 0], 0).uniform(0));
-        // The golden sequence spreads those of any number of passes evenly.
-        let u = (start + f64::from(k) * 0.618_033_988_749_894_9).fract();
-        self.wavelengths_at((u as f32).min(1.0 - f32::EPSILON))
+        self.wavelengths_at(number_of_pass(seed, k, GOLDEN))
     }
 
     /// How the ray of [`CameraView::ray`] and that of the next pixel in the row part; `None` where there is no such ray.
@@ -139,7 +159,7 @@ impl<'a> CameraView<'a> {
         let time = draws.number_if(self.moves);
         let film = &self.film;
         let at = film.picture(raster);
-        self.camera.ray(at, film.aspect(), lens, self.moment(at.y / film.scale(), time))
+        self.camera.ray(at, film.aspect(), lens, self.time_at(at.y / film.scale(), time))
     }
 
     /// Where the camera is: the origin of the ray through the middle of the picture and of its lens.
@@ -174,7 +194,7 @@ impl<'a> CameraView<'a> {
         let lens = draws.pair_if(self.camera.has_lens());
         let time = draws.number_if(self.moves);
         let film = &self.film;
-        let time = self.moment(film.picture(raster).y / film.scale(), time);
+        let time = self.time_at(film.picture(raster).y / film.scale(), time);
         let ray = |raster: Vec2| self.camera.ray(film.picture(raster), film.aspect(), lens, time);
         let Some(middle) = ray(raster) else { return RayDifferential::default() };
         let mut differential = RayDifferential::default();
@@ -204,7 +224,10 @@ impl<'a> CameraView<'a> {
     /// * `y`: of picture coordinates, 1 at the top
     /// * `u`: uniform in [0, 1)
     #[inline]
-    fn moment(&self, y: f32, u: f32) -> f32 {
+    fn time_at(&self, y: f32, u: f32) -> f32 {
+        if let Some(moment) = self.moment {
+            return moment;
+        }
         let readout = self.scene.output.readout;
         if readout == 0.0 {
             return u;

@@ -8,6 +8,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_math::{Vec2, rng::Stream};
 use kajo_scene::{MemoryAssets, SceneDesc};
+use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
 use super::classic::{Classic, ClassicSettings};
 use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
@@ -26,6 +27,47 @@ pub(super) fn scene_with(text: &str, assets: &MemoryAssets) -> Scene {
     let mut parsed = SceneDesc::parse_str(text);
     let scene = compile(&mut parsed.desc, assets, &CompileOptions::default(), &mut parsed.diagnostics);
     scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
+}
+
+/// A cube of 4 x 4 x 4 voxels that are all the same.
+pub(super) fn cube_of_voxels(name: &str, kind: VdbKind, value: [f32; 3]) -> VdbGrid {
+    let mut grid = VdbGrid::new(name, kind, VdbMap::Uniform(1.0));
+    for k in 0..64 {
+        grid.set([k % 4, k / 4 % 4, k / 16], value);
+    }
+    grid
+}
+
+/// A file `smoke.vdb` of these grids.
+pub(super) fn vdb_of(grids: Vec<VdbGrid>) -> MemoryAssets {
+    let file = VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids };
+    MemoryAssets::new().with("smoke.vdb", file.to_bytes())
+}
+
+/// Two scenes in which smoke behind clear glass, lit from above, is on the camera's ray for three quarters of the time that the shutter is open,
+/// and the light that it scatters once: a box of it moves, or it moves in its box.
+pub(super) fn passing_smoke() -> ([Scene; 2], f64) {
+    let scene_of = |x: f32, medium: &str, things: &str| {
+        let text = format!(
+            "PerspectiveCamera {{ center {x} 0.4 5  direction 0 0 -1  up 0 1 0  angle 0.01  shutter 0 1 }} Background {{ color 0 0 0 }}
+             Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance 1 }} }} Media {{ {medium} }}
+             Materials {{ Glass glass {{ indexOfRefraction 1.0001 medium m }} }} Group {{ MaterialIndex glass {things} }}"
+        );
+        let grids = vec![
+            cube_of_voxels("density", VdbKind::Float, [1.0; 3]),
+            cube_of_voxels("vel", VdbKind::Vec3, [8.0, 0.0, 0.0]),
+        ];
+        scene_with(&text, &vdb_of(grids))
+    };
+    let motion = "Motion { key 0 { } key 1 { Translate 2 0 0 } }";
+    let moving_box = format!("Transform {{ {motion} Box {{ min -1 -1 -1 max 1 1 1 }} }}");
+    let grid =
+        "GridMedium m { file smoke.vdb min -1 -1 -1 max 1 1 1  density 1  velocityScale 0.5 velocity vel }";
+    let scenes = [
+        scene_of(0.5, "Medium m { sigma_s 1 }", &moving_box),
+        scene_of(1.5, grid, "Box { min -3 -2 -2 max 4 2 2 }"),
+    ];
+    (scenes, 0.75 * (-0.6f64).exp() * (1.0 - (-2.0f64).exp()) / (4.0 * std::f64::consts::PI))
 }
 
 /// Camera rays and their shading, and nothing more.

@@ -109,7 +109,10 @@ impl Prepare for IrradianceSettings {
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         let notes = [
-            (scene.moves(), "records belong to one moment each, so indirect light of what moves is blurred"),
+            (
+                scene.has_moving_things(),
+                "records belong to one moment each, so indirect light of what moves is blurred",
+            ),
             (
                 scene.lighting.groups.len() > 1,
                 "indirect light of matt surfaces is in no layer of a group of lights",

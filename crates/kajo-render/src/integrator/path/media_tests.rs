@@ -3,13 +3,12 @@
 use std::f64::consts::PI;
 
 use kajo_core::settings::Technique;
-use kajo_scene::MemoryAssets;
 use kajo_testkit::every;
-use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
+use kajo_testkit::vdb::{VdbGrid, VdbKind, VdbMap};
 
 use super::tests::{TECHNIQUES, camera, check, mean, scene};
 use super::*;
-use crate::integrator::tests::scene_with;
+use crate::integrator::tests::{cube_of_voxels, scene_with, vdb_of};
 
 fn settings(bounces: u32) -> PathSettings {
     PathSettings { bounces, ..PathSettings::default() }
@@ -595,20 +594,6 @@ fn row_of_colors(name: &str, colors: &[[f32; 3]]) -> VdbGrid {
         grid.set([i as i32, 0, 0], color);
     }
     grid
-}
-
-/// A cube of 4 x 4 x 4 voxels that are all the same.
-fn cube_of_voxels(name: &str, kind: VdbKind, value: [f32; 3]) -> VdbGrid {
-    let mut grid = VdbGrid::new(name, kind, VdbMap::Uniform(1.0));
-    for k in 0..64 {
-        grid.set([k % 4, k / 4 % 4, k / 16], value);
-    }
-    grid
-}
-
-fn vdb_of(grids: Vec<VdbGrid>) -> MemoryAssets {
-    let file = VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids };
-    MemoryAssets::new().with("smoke.vdb", file.to_bytes())
 }
 
 const COLORS: [[f32; 3]; 4] = [[0.9, 0.1, 0.4], [0.0, 0.8, 0.2], [0.3, 0.0, 2.0], [0.5, 0.5, 0.0]];

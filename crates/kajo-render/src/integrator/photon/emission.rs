@@ -24,6 +24,7 @@ use kajo_math::rng::mix;
 
 use super::beam::HomogeneousRay;
 use super::beam_map::PhotonBeam;
+use super::shutter::ShutterParts;
 use crate::integrator::bidir::{
     NoMedia, Subpath, Vertex, Volume, WithMedia, is_endless, light_end, sample_emitted,
 };
@@ -73,7 +74,7 @@ pub struct PhotonEmission<'a> {
     scene: &'a Scene,
     power_sampler: PowerLightSampler,
     sampler: Sampler,
-    /// Paths for a map.
+    /// Paths for all parts of a map.
     paths: u32,
     /// How often light may be scattered before it leaves a photon.
     bounces: u32,
@@ -101,12 +102,17 @@ pub struct PhotonBatch {
     pub rays: RayCounters,
 }
 
-/// What the random numbers of a map begin with.
+/// The paths of a part of the time that the shutter is open.
 #[derive(Clone, Copy)]
-struct MapKey {
+struct MapPart {
     /// The number of the map.
     k: u32,
     seed: u64,
+    /// The number of the part, and what it is one of.
+    part: u32,
+    shutter: ShutterParts,
+    /// How many paths.
+    paths: u32,
 }
 
 /// How a photon got to where it is.
@@ -150,6 +156,11 @@ impl PhotonBatch {
         self.rays += next.rays;
     }
 
+    /// Whether no photon was left.
+    pub fn is_empty(&self) -> bool {
+        [&self.photons, &self.caustics, &self.in_media].iter().all(|photons| photons.is_empty())
+    }
+
     fn bytes(&self) -> u64 {
         let room = [&self.photons, &self.caustics, &self.in_media].map(Vec::capacity);
         let photons = room.iter().sum::<usize>() * size_of::<Photon>();
@@ -176,7 +187,7 @@ impl<'a> PhotonEmission<'a> {
         self.power_sampler.sample(0.5).is_some()
     }
 
-    /// The photons of map `k`.
+    /// The photons of map `k`, of all moments.
     ///
     /// # Errors
     /// [`SetupError`]; when there is no room for the photons.
@@ -187,22 +198,43 @@ impl<'a> PhotonEmission<'a> {
         wanted: PhotonRequest,
         setup: &Setup<'_>,
     ) -> Result<PhotonBatch, SetupError> {
+        let parts = self.emit_in(ShutterParts::WHOLE, k, wavelengths, wanted, setup)?;
+        Ok(parts.into_iter().next().unwrap_or_default())
+    }
+
+    /// The photons of map `k`, those of each part of the time that the shutter is open by themselves. Each part has the power of all lights.
+    ///
+    /// # Errors
+    /// [`SetupError`]; when there is no room for the photons.
+    pub fn emit_in(
+        &self,
+        shutter: ShutterParts,
+        k: u32,
+        wavelengths: &Wavelengths,
+        wanted: PhotonRequest,
+        setup: &Setup<'_>,
+    ) -> Result<Vec<PhotonBatch>, SetupError> {
+        let paths = shutter.share_of(self.paths);
+        let tasks = paths.div_ceil(PATHS_A_TASK);
         let work = |task: u32| {
+            let (part, task) = (task / tasks, task % tasks);
             let begin = task * PATHS_A_TASK;
-            let end = begin.saturating_add(PATHS_A_TASK).min(self.paths);
+            let end = begin.saturating_add(PATHS_A_TASK).min(paths);
             let mut batch = PhotonBatch::default();
-            let map = MapKey { k, seed: setup.seed };
+            let map = MapPart { k, seed: setup.seed, part, shutter, paths };
             match self.scene.has_media() {
                 false => (begin..end)
-                    .for_each(|i| self.emit_path::<NoMedia>(map, i, wavelengths, wanted, &mut batch)),
+                    .for_each(|i| self.emit_path::<NoMedia>(&map, i, wavelengths, wanted, &mut batch)),
                 true => (begin..end)
-                    .for_each(|i| self.emit_path::<WithMedia<'_>>(map, i, wavelengths, wanted, &mut batch)),
+                    .for_each(|i| self.emit_path::<WithMedia<'_>>(&map, i, wavelengths, wanted, &mut batch)),
             }
-            batch
+            (part, batch)
         };
-        setup.fold_tasks(self.paths.div_ceil(PATHS_A_TASK), work, |all: &mut PhotonBatch, batch| {
-            all.append(batch);
-            if all.bytes() > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(()) }
+        setup.fold_tasks(tasks * shutter.count(), work, |all: &mut Vec<PhotonBatch>, (part, batch)| {
+            all.resize_with(part as usize + 1, PhotonBatch::default);
+            all[part as usize].append(batch);
+            let bytes = all.iter().map(PhotonBatch::bytes).sum::<u64>();
+            if bytes > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(()) }
         })
     }
 
@@ -214,10 +246,10 @@ impl<'a> PhotonEmission<'a> {
         ))
     }
 
-    /// Follows path `i` of a map.
+    /// Follows path `i` of a part of a map.
     fn emit_path<'v, V: Volume<'v>>(
         &'v self,
-        map: MapKey,
+        map: &MapPart,
         i: u32,
         wavelengths: &Wavelengths,
         wanted: PhotonRequest,
@@ -241,13 +273,14 @@ impl<'a> PhotonEmission<'a> {
             };
             match &collision {
                 None if !bsdf.is_delta() => {
-                    batch.keep(Photon::new(&self.arrival(&path, &vertex), dither(i, stored)), wanted, route);
+                    let arrival = map.arrival_on(scene, &path, &vertex, &surface);
+                    batch.keep(Photon::new(&arrival, dither(i, stored)), wanted, route);
                     stored += 1;
                 }
                 // Paths from the camera go on through bodies that scatter light many times.
                 Some(at) if !at.is_subsurface => {
                     if wanted.in_media.is_some_and(|wanted| wanted.takes(route)) {
-                        let arrival = self.arrival_in_medium(&path, &vertex);
+                        let arrival = map.arrival_in_medium(scene, &path, &vertex);
                         batch.in_media.push(Photon::new(&arrival, dither(i, stored)));
                         batch.photons_beside_beams +=
                             u64::from(observer.wants_beam(scene, &path.state).is_some());
@@ -273,16 +306,16 @@ impl<'a> PhotonEmission<'a> {
         batch.beams.append(&mut observer.beams);
     }
 
-    /// The beginning of path `i` of a map, and the light that it begins with; `None` where it has none.
+    /// The beginning of path `i` of a part of a map, and the light that it begins with; `None` where it has none.
     fn begin<'v, V: Volume<'v>>(
         &self,
-        map: MapKey,
+        map: &MapPart,
         i: u32,
         wavelengths: &Wavelengths,
     ) -> Option<(Subpath<'_>, LightLeSample)> {
         let scene = self.scene;
-        let mut draws = SampleStream::new(&self.sampler, mix(map.seed ^ SALT), [map.k, 0], i);
-        let time = draws.number_if(scene.moves());
+        let mut draws = SampleStream::new(&self.sampler, mix(map.seed ^ SALT), [map.k, map.part], i);
+        let time = map.shutter.moment(map.part, draws.number_if(scene.moves()));
         let hero = if V::HAS_MEDIA { LaneMis::new(wavelengths, draws.next_1d()).hero } else { 0 };
         let drawn = sample_emitted(scene, &self.power_sampler, time, wavelengths, &mut draws);
         let (SampledLight { probability, .. }, emitted) = drawn?;
@@ -295,8 +328,10 @@ impl<'a> PhotonEmission<'a> {
         }
         Some((path, emitted))
     }
+}
 
-    /// What comes to a vertex on a surface.
+impl MapPart {
+    /// What comes to a vertex.
     fn arrival<'v, V: Volume<'v>>(&self, path: &Subpath<'_>, vertex: &Vertex<'v, V>) -> Arrival {
         Arrival {
             p: vertex.at.p,
@@ -308,11 +343,27 @@ impl<'a> PhotonEmission<'a> {
         }
     }
 
+    /// What comes to a vertex on a surface, where that is in the middle of the part.
+    fn arrival_on<'v, V: Volume<'v>>(
+        &self,
+        scene: &Scene,
+        path: &Subpath<'_>,
+        vertex: &Vertex<'v, V>,
+        surface: &SurfaceInteraction,
+    ) -> Arrival {
+        Arrival { p: self.shutter.point_at(scene, &surface.at), ..self.arrival(path, vertex) }
+    }
+
     /// What comes to a vertex in a medium.
-    fn arrival_in_medium<'v, V: Volume<'v>>(&self, path: &Subpath<'_>, vertex: &Vertex<'v, V>) -> Arrival {
+    fn arrival_in_medium<'v, V: Volume<'v>>(
+        &self,
+        scene: &Scene,
+        path: &Subpath<'_>,
+        vertex: &Vertex<'v, V>,
+    ) -> Arrival {
         let arrival = self.arrival(path, vertex);
         let PathState { media, wavelengths, ray, .. } = &path.state;
-        let sigma_s = media.scattering(self.scene, vertex.at.p, ray.time, wavelengths);
+        let sigma_s = media.scattering(scene, vertex.at.p, ray.time, wavelengths);
         Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival }
     }
 }

@@ -59,6 +59,8 @@ const AROUND_DOTS: f32 = 0.1;
 /// Follows the path of one sample.
 pub struct Gatherer<'a, O> {
     photons: &'a Photons<'a>,
+    /// Those of its moment.
+    maps: &'a Maps,
     observer: &'a mut O,
     footprint: RayFootprint,
     /// Light as the sensor sees it, linear RGB.
@@ -117,14 +119,17 @@ impl Role {
 }
 
 impl<'a, O: PathObserver> Gatherer<'a, O> {
+    /// * `time`: of the path
     pub fn new(
         photons: &'a Photons<'a>,
+        time: f32,
         observer: &'a mut O,
         footprint: RayFootprint,
         scratch: GatherScratch,
     ) -> Self {
         Gatherer {
             photons,
+            maps: &photons.maps[photons.shutter.part_at(time) as usize],
             observer,
             footprint,
             radiance: [0.0; 3],
@@ -150,7 +155,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let mut length = 0.0;
         loop {
             let (start, beta) = (path.state.ray, path.state.beta);
-            let event = match &self.photons.maps {
+            let event = match self.maps {
                 Maps::Progressive { in_media, radius, .. } if V::HAS_MEDIA && !self.for_media => {
                     self.advance_with_beams(&mut path.state, &mut surface, in_media, radius, length)
                 }
@@ -158,7 +163,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             };
             if V::HAS_MEDIA {
                 self.add_medium_emission(&mut path);
-                if let Maps::Fixed { usage: PhotonMapUse::Dots, in_media, .. } = &self.photons.maps {
+                if let Maps::Fixed { usage: PhotonMapUse::Dots, in_media, .. } = self.maps {
                     let end = if let Event::Medium(at) = &event { at.length } else { path.state.extent };
                     self.add_dots_along(&Ray { t_min: 0.0, t_max: end, ..start }, beta, in_media, length);
                 }
@@ -316,19 +321,19 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         if role != Role::FromMap {
             self.add_direct_light(&mut path.state, z, role.goes_on(), None);
         }
-        let photons = self.photons;
-        match (&photons.maps, role) {
+        let point = GatherPoint { p: self.photons.shutter.point_at(self.scene(), &surface.at), n: z.at.ng };
+        match (self.maps, role) {
             (_, Role::Direct) => {}
             (Maps::Progressive { indirect, radius, .. }, _) => {
-                self.add_disk(&path.state, z, indirect, radius.disk.at(self.footprint.at(length)));
+                self.add_disk(&path.state, z, indirect, &point, radius.disk.at(self.footprint.at(length)));
             }
             (Maps::Fixed { caustics, .. }, Role::DirectAndCaustics) => {
-                self.add_nearest(&path.state, z, caustics)
+                self.add_nearest(&path.state, z, caustics, &point)
             }
             (Maps::Fixed { usage: PhotonMapUse::Dots, all, .. }, _) => {
-                self.add_dots(&path.state, z, all, length)
+                self.add_dots(&path.state, z, all, &point, length)
             }
-            (Maps::Fixed { all, .. }, _) => self.add_nearest(&path.state, z, all),
+            (Maps::Fixed { all, .. }, _) => self.add_nearest(&path.state, z, all, &point),
         }
         let receiver = z.receiver(path.state.ray.time);
         if !path.scatter(z, surface, roulette, self.observer) {
@@ -367,7 +372,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         if self.for_media {
             return path.scatter_in_medium(&z, at, photons.settings.roulette, self.observer);
         }
-        let role = match &photons.maps {
+        let role = match self.maps {
             _ if at.is_subsurface => Role::Direct,
             Maps::Fixed { usage: PhotonMapUse::Direct | PhotonMapUse::Dots, .. } => Role::FromMap,
             Maps::Fixed { usage: PhotonMapUse::Caustics, .. } => Role::DirectAndCaustics,
@@ -377,7 +382,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             let collision = self.along.map(|along| along.collision(at.length, &path.state));
             self.add_direct_light(&mut path.state, &z, role.goes_on(), collision);
         }
-        match &photons.maps {
+        match self.maps {
             _ if role == Role::Direct => {}
             // All photons along the ray were added.
             Maps::Progressive { .. } if self.on_beam => {}
@@ -443,7 +448,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     ///
     /// * `length`: of the last segment
     fn role<V: Volume<'a>>(&self, z: &Vertex<'a, V>, length: f32, from: Option<&From>) -> Role {
-        match &self.photons.maps {
+        match self.maps {
             Maps::Fixed { usage: PhotonMapUse::Direct | PhotonMapUse::Dots, .. } => Role::FromMap,
             _ if !z.bsdf.is_broad() => Role::Direct,
             Maps::Progressive { .. } => Role::DirectAndMap,
@@ -464,21 +469,33 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// The photons of a disk of radius `r`: `beta / (pi r^2) sum f Φ` [Jensen 2001, eq. 7.6].
-    fn add_disk<V: Volume<'a>>(&mut self, state: &PathState<'_>, z: &Vertex<'a, V>, map: &PhotonMap, r: f32) {
+    fn add_disk<V: Volume<'a>>(
+        &mut self,
+        state: &PathState<'_>,
+        z: &Vertex<'a, V>,
+        map: &PhotonMap,
+        point: &GatherPoint,
+        r: f32,
+    ) {
         let mut sums = Sums::new(self.most_scatterings(state));
-        map.within(&gather_point(z), r, |photon| sums.add(z, photon));
+        map.within(point, r, |photon| sums.add(z, photon));
         // [Jensen 2001, eq. 7.6]
         self.add_sums(state.beta, &state.wavelengths, &sums, (PI * r * r).recip());
     }
 
     /// The `k` nearest photons: `beta (k - 1) / (k pi r_k^2) sum f Φ`.
-    fn add_nearest<V: Volume<'a>>(&mut self, state: &PathState<'_>, z: &Vertex<'a, V>, map: &PhotonMap) {
+    fn add_nearest<V: Volume<'a>>(
+        &mut self,
+        state: &PathState<'_>,
+        z: &Vertex<'a, V>,
+        map: &PhotonMap,
+        point: &GatherPoint,
+    ) {
         if map.is_empty() {
             return;
         }
         let mut sums = Sums::new(self.most_scatterings(state));
-        let density = map
-            .nearest(&gather_point(z), NEIGHBOURS, &mut self.scratch.nearest, |photon| sums.add(z, photon));
+        let density = map.nearest(point, NEIGHBOURS, &mut self.scratch.nearest, |photon| sums.add(z, photon));
         self.add_sums(state.beta, &state.wavelengths, &sums, density);
     }
 
@@ -490,10 +507,11 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         state: &PathState<'_>,
         z: &Vertex<'a, V>,
         map: &PhotonMap,
+        point: &GatherPoint,
         length: f32,
     ) {
         let mut dot = None;
-        map.within(&gather_point(z), self.footprint.at(length), |photon| dot = dot.or(Some(dot_of(photon))));
+        map.within(point, self.footprint.at(length), |photon| dot = dot.or(Some(dot_of(photon))));
         let local = z.local(z.wo);
         let light = dot.unwrap_or_else(|| z.bsdf.albedo(local.wo) * (AROUND_DOTS * local.wo.z.abs()));
         self.add_shown(state.beta * light, &state.wavelengths);
@@ -662,10 +680,6 @@ fn dot_of(photon: &Photon) -> Spectrum {
     let power = photon.power();
     let largest = power.to_rgb().into_iter().fold(f32::MIN_POSITIVE, f32::max);
     power * (1.0 / largest)
-}
-
-fn gather_point<'v, V: Volume<'v>>(z: &Vertex<'v, V>) -> GatherPoint {
-    GatherPoint { p: z.at.p, n: z.at.ng }
 }
 
 /// Power of photons, scattered to the camera.

@@ -48,6 +48,7 @@ mod beam_map;
 pub(super) mod emission;
 mod gather;
 mod settings;
+mod shutter;
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
@@ -60,7 +61,7 @@ use kajo_math::{Vec2, Vec3, fmath};
 
 use super::Integrator;
 use super::bidir::{NoMedia, Subpath, WithMedia};
-use super::camera_view::{CameraView, in_white_light};
+use super::camera_view::{CameraView, in_white_light, number_of_pass};
 use super::path::{Path, PathSettings};
 use super::photon_map::PhotonMap;
 use super::transport::{LaneMis, PathState};
@@ -71,6 +72,7 @@ use beam_map::{BeamMap, SearchRadius};
 use emission::{PhotonBatch, PhotonEmission, PhotonRequest, Wanted};
 use gather::{GatherScratch, Gatherer};
 pub use settings::{PHOTON, PhotonSettings, SPPM};
+use shutter::ShutterParts;
 
 /// Photons of a density estimate of fixed maps.
 const NEIGHBOURS: usize = 64;
@@ -84,6 +86,20 @@ const FIRST_RADIUS: f32 = 2.5;
 /// Sets wavelengths of passes apart from all other numbers.
 const WAVELENGTH_SALT: u64 = 0x6C61_6D62_6461;
 
+/// Sets moments of passes apart from all other numbers.
+const MOMENT_SALT: u64 = 0x7368_7574_7465;
+
+/// From the moment of a pass to that of the next one, as a share of the time that the shutter is open: the root of 2, less 1. With the
+/// wavelengths of the passes these are spread evenly over the square.
+const MOMENT_STEP: f64 = std::f64::consts::SQRT_2 - 1.0;
+
+/// Parts of the time that the shutter is open whose photons are kept apart, where things move: in one map for all samples, and in the
+/// first pass over rows that are exposed one after the other.
+const PARTS: f32 = 8.0;
+
+/// The most parts of later passes.
+const MOST_PARTS: u32 = 256;
+
 /// A photon mapper over one scene and one picture size, before it has photons: it follows paths.
 pub struct PhotonMapping<'a> {
     view: CameraView<'a>,
@@ -93,9 +109,11 @@ pub struct PhotonMapping<'a> {
 
 /// A photon mapper with the photons of a part of the samples.
 pub struct Photons<'a> {
-    view: &'a CameraView<'a>,
+    view: CameraView<'a>,
     settings: PhotonSettings,
-    maps: Maps,
+    shutter: ShutterParts,
+    /// Those of each part of the time that the shutter is open.
+    maps: Vec<Maps>,
     /// What all photons carry.
     wavelengths: Wavelengths,
     /// Whether any medium emits, which no photon leaves.
@@ -199,13 +217,30 @@ impl<'a> PhotonMapping<'a> {
         }
     }
 
+    /// The moments of the photons of map `k`.
+    fn shutter(&self, k: u32, seed: u64) -> ShutterParts {
+        let scene = self.view.scene;
+        match self.settings.usage {
+            _ if !scene.has_moving_things() => ShutterParts::WHOLE,
+            // What has moved is seen in many places, and so are its photons.
+            Some(PhotonMapUse::Dots) => ShutterParts::WHOLE,
+            Some(_) => ShutterParts::equal(PARTS as u32),
+            None if scene.output.readout > 0.0 => {
+                let share = Radius::of_pass(k, self.settings.photons, &self.world()).disk.share;
+                ShutterParts::equal(((PARTS / share) as u32).min(MOST_PARTS))
+            }
+            None => ShutterParts::at(number_of_pass(seed ^ MOMENT_SALT, k, MOMENT_STEP)),
+        }
+    }
+
     /// The maps of part `k`, the rays that they took, and what is worth knowing of them.
     fn maps(
         &self,
         k: u32,
+        shutter: ShutterParts,
         wavelengths: &Wavelengths,
         setup: &Setup<'_>,
-    ) -> Result<(Maps, crate::RayCounters, Vec<String>), SetupError> {
+    ) -> Result<(Vec<Maps>, crate::RayCounters, Vec<String>), SetupError> {
         let PhotonSettings { bounces, photons, usage, roulette, .. } = self.settings;
         let emission = PhotonEmission::new(self.view.scene, photons, bounces, roulette);
         let [map, in_media] = match usage {
@@ -216,39 +251,30 @@ impl<'a> PhotonMapping<'a> {
         };
         let caustics = usage == Some(PhotonMapUse::Gather);
         // Where light does not even reach across the smallest disk, photons are as good.
-        let beams = usage.is_none().then(|| self.radius(k).disk.least());
+        let beams = usage.is_none().then(|| self.radius(k, shutter).disk.least());
         let wanted = PhotonRequest { map, caustics, in_media: Some(in_media), beams };
         let has_light = emission.has_light();
-        let batch =
-            if has_light { emission.emit(k, wavelengths, wanted, setup)? } else { PhotonBatch::default() };
+        let batches = match has_light {
+            true => emission.emit_in(shutter, k, wavelengths, wanted, setup)?,
+            false => (0..shutter.count()).map(|_| PhotonBatch::default()).collect(),
+        };
         let mut notes = Vec::new();
         if !has_light && k == 0 {
             notes.push("there is no light in the scene that photons could leave".to_owned());
-        } else if usage == Some(PhotonMapUse::Caustics)
-            && batch.photons.is_empty()
-            && batch.in_media.is_empty()
-        {
+        } else if usage == Some(PhotonMapUse::Caustics) && batches.iter().all(PhotonBatch::is_empty) {
             notes.push(
                 "no photon came to a surface by way of mirrors or glass, so there are no caustics; \
                  `integrator path` finds the same picture sooner"
                     .to_owned(),
             );
         }
-        let rays = batch.rays;
-        let map = |photons| PhotonMap::new(photons, setup.threads);
-        let maps = match usage {
-            None => self.progressive(k, batch, setup.threads),
-            Some(usage) => {
-                let [all, caustics] = match usage {
-                    PhotonMapUse::Caustics => [Vec::new(), batch.photons],
-                    _ => [batch.photons, batch.caustics],
-                };
-                let [all, caustics, in_media] =
-                    [all, caustics, batch.in_media].map(|photons| map(photons).for_nearest(NEIGHBOURS));
-                Maps::Fixed { usage, all, caustics, in_media }
-            }
-        };
-        Ok((maps, rays, notes))
+        let mut rays = crate::RayCounters::default();
+        batches.iter().for_each(|batch| rays += batch.rays);
+        let maps = batches.into_iter().map(|batch| match usage {
+            None => self.progressive(self.radius(k, shutter), batch, setup.threads),
+            Some(usage) => fixed(usage, batch, setup.threads),
+        });
+        Ok((maps.collect(), rays, notes))
     }
 
     /// The sphere around the scene.
@@ -257,8 +283,8 @@ impl<'a> PhotonMapping<'a> {
     }
 
     /// The radii of pass `k`.
-    fn radius(&self, k: u32) -> Radius {
-        Radius::of_pass(k, self.settings.photons, &self.world())
+    fn radius(&self, k: u32, shutter: ShutterParts) -> Radius {
+        Radius::of_pass(k, shutter.share_of(self.settings.photons), &self.world())
     }
 
     /// The radii of searches for beams, by the pixels in the middle of the picture.
@@ -271,10 +297,10 @@ impl<'a> PhotonMapping<'a> {
         SearchRadius { center: ray.map_or(Vec3::ZERO, |ray| ray.o), footprint, of_pass }
     }
 
-    /// The maps of pass `k`.
-    fn progressive(&self, k: u32, batch: PhotonBatch, threads: usize) -> Maps {
+    /// The maps of a pass.
+    fn progressive(&self, radius: Radius, batch: PhotonBatch, threads: usize) -> Maps {
         let PhotonBatch { photons, in_media, beams, beam_paths, photons_beside_beams, .. } = batch;
-        let (radius, world) = (self.radius(k), self.world());
+        let world = self.world();
         let photons_per_beam = photons_beside_beams as f32 / beams.len().max(1) as f32;
         let searches = self.view.size.map(u64::from).into_iter().product();
         let beams = (!beams.is_empty()).then(|| {
@@ -283,6 +309,17 @@ impl<'a> PhotonMapping<'a> {
         let in_media = InMedia { photons: PhotonMap::new(in_media, threads), beams, photons_per_beam };
         Maps::Progressive { indirect: PhotonMap::new(photons, threads), in_media, radius }
     }
+}
+
+/// The maps that all samples share.
+fn fixed(usage: PhotonMapUse, batch: PhotonBatch, threads: usize) -> Maps {
+    let [all, caustics] = match usage {
+        PhotonMapUse::Caustics => [Vec::new(), batch.photons],
+        _ => [batch.photons, batch.caustics],
+    };
+    let [all, caustics, in_media] = [all, caustics, batch.in_media]
+        .map(|photons| PhotonMap::new(photons, threads).for_nearest(NEIGHBOURS));
+    Maps::Fixed { usage, all, caustics, in_media }
 }
 
 impl Integrator for PhotonMapping<'_> {
@@ -303,10 +340,11 @@ impl Integrator for PhotonMapping<'_> {
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         let wavelengths = self.view.wavelengths_of_pass(setup.seed ^ WAVELENGTH_SALT, k);
-        let (maps, rays, notes) = self.maps(k, &wavelengths, setup)?;
+        let shutter = self.shutter(k, setup.seed);
+        let (maps, rays, notes) = self.maps(k, shutter, &wavelengths, setup)?;
         let has_emissive_media = self.view.scene.appearance.has_emissive_media();
-        let integrator =
-            Photons { view: &self.view, settings: self.settings, maps, wavelengths, has_emissive_media };
+        let (view, settings) = (self.view.clone().at_moment(shutter.common()), self.settings);
+        let integrator = Photons { view, settings, shutter, maps, wavelengths, has_emissive_media };
         Ok(WithState { integrator: Box::new(integrator), rays, notes })
     }
 }
@@ -319,19 +357,19 @@ impl Integrator for Photons<'_> {
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample {
-        let view = self.view;
+        let view = &self.view;
         let mut draws = ctx.draws;
         let start = draws;
         let Some(ray) = view.ray(raster, &mut draws) else { return PixelSample::default() };
         // Wavelengths are the photons'.
         draws.skip(1);
         let wavelengths = self.wavelengths;
-        let media = view.media_around(&ray, &wavelengths);
+        let (media, time) = (view.media_around(&ray, &wavelengths), ray.time);
         let mut state = PathState::new(ray, wavelengths, Spectrum::WHITE, Transport::Radiance, media, draws);
         observer.counters().camera += 1;
         let footprint = view.footprint(&ray, raster, start).unwrap_or_default();
         let scratch = std::mem::take(ctx.scratch.get::<GatherScratch>());
-        let mut gatherer = Gatherer::new(self, observer, footprint, scratch);
+        let mut gatherer = Gatherer::new(self, time, observer, footprint, scratch);
         if view.scene.has_media() {
             let u = state.draws.next_1d();
             state.carry_media(LaneMis::new(&wavelengths, u).hero);

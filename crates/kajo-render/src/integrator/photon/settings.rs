@@ -136,7 +136,11 @@ impl Prepare for PhotonSettings {
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         let notes = [
-            (scene.moves(), "photons of all moments light what moves, so their light is blurred"),
+            (
+                scene.has_moving_things() && self.usage.is_some(),
+                "things are lit by the photons of an eighth of the time that the shutter is open, since they move; \
+                 `integrator sppm` has all photons for each moment",
+            ),
             (scene.lighting.groups.len() > 1, "photon maps do not tell groups of lights apart"),
             (
                 scene.lights_endless_surfaces(),

@@ -8,8 +8,9 @@ use kajo_testkit::{Estimate, every};
 
 use super::*;
 use crate::integrator::Prepare;
+use crate::integrator::camera_view::GOLDEN;
 use crate::integrator::same_picture::assert_same_picture;
-use crate::integrator::tests::scene_with;
+use crate::integrator::tests::{passing_smoke, scene_with};
 use crate::{Layer, PixelIntegrator, RenderSettings, Silent};
 
 fn scene(text: &str) -> Scene {
@@ -221,7 +222,11 @@ fn threads_tiles_and_stops_make_the_same_picture() {
         camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)
     );
     let fog = "Media { Medium air { sigma_s 0.3 0.2 0.1  sigma_a 0.05  g 0.3 }  exterior air } Materials";
-    for text in [text.clone(), text.replacen("Materials", fog, 1)] {
+    let motion = "Transform { Motion { key 0 { } key 1 { Translate -1 0 0 } } Sphere { center 0.5 -0.5 0 radius 0.8 } }";
+    let moving = text.replacen("Sphere { center 0.5 -0.5 0 radius 0.8 }", motion, 1);
+    let moving = moving.replacen("Camera {", "Camera { shutter 0 1", 1);
+    let rolling = moving.replacen("shutter 0 1", "shutter 0 1 rollingShutter 0.5", 1);
+    for text in every(2, [text.clone(), moving, text.replacen("Materials", fog, 1), rolling]) {
         let scene = scene(&text);
         for (usage, spectral) in [(None, true), (Some(PhotonMapUse::Gather), false)] {
             let settings =
@@ -342,6 +347,64 @@ fn beams_behind_glass_are_as_bright_as_single_scattering() {
             error < 4.0 * found.standard_error / expected + 1e-3 && found.standard_error < 8e-3 * expected,
             "{medium}: {found:?} instead of {expected}"
         );
+    }
+}
+
+/// By photons of another moment it would be lit three quarters of the time that it is there.
+#[test]
+fn smoke_is_lit_while_it_passes() {
+    let (scenes, expected) = passing_smoke();
+    for scene in every(2, &scenes) {
+        // The balls of an eighth of the photons of a map are large.
+        for (usage, photons, bias) in [(None, 32_000, 0.06), (Some(PhotonMapUse::Gather), 256_000, 0.14)] {
+            let settings = PhotonSettings { bounces: 2, ..with(usage, photons) };
+            check(scene, settings, 32, expected, bias);
+        }
+    }
+}
+
+/// Of 64 passes each cell of a grid of 4 by 4 has its share, within half of it: no wavelength is that of one moment.
+#[test]
+fn moments_and_wavelengths_of_passes_go_their_own_ways() {
+    for seed in 0..50 {
+        let mut cells = [0; 16];
+        for k in 0..64 {
+            let wavelength = number_of_pass(seed ^ WAVELENGTH_SALT, k, GOLDEN);
+            let moment = number_of_pass(seed ^ MOMENT_SALT, k, MOMENT_STEP);
+            cells[(4.0 * wavelength) as usize + 4 * (4.0 * moment) as usize] += 1;
+        }
+        assert!(cells.iter().all(|cell| (2..=6).contains(cell)), "{seed}: {cells:?}");
+    }
+}
+
+/// A room in which a ball and a plate go farther than they are wide.
+#[test]
+fn what_moves_is_lit_by_photons_of_its_moment() {
+    let room = |shutter: &str| {
+        let things = "MaterialIndex wall Box { min -2 -2 -2 max 2 2 2 }
+             MaterialIndex emitter Quad { corner -1 1.9 -1 edge1 2 0 0 edge2 0 0 2 }
+             MaterialIndex wall Transform { Motion { key 0 { } key 1 { Translate 1.6 0 0 } } Sphere { center -0.8 -0.3 -0.2 radius 0.5 } }
+             MaterialIndex wall Transform { Motion { key 0 { } key 1 { Translate 0 0.8 0 } } Quad { corner -1 -1.9 0.2 edge1 0 0 0.8 edge2 2 0 0 } }";
+        let materials =
+            "Matte wall { color 0.6 0.5 0.4 }  Matte emitter { color 0 0 0 emission 5 5 5 emits front }";
+        let view = camera([0.0, 0.0, 1.9], [0.0, -0.6, 0.0], 40.0);
+        let view = view.replacen("Camera {", &format!("Camera {{ {shutter}"), 1);
+        scene(&format!("{view} Materials {{ {materials} }} Group {{ {things} }}"))
+    };
+    // Where rows are exposed one after the other photons of all parts of the time are needed at once.
+    for (shutter, uses) in [("shutter 0 1", &USES[..]), ("shutter 0 1 rollingShutter 0.6", &[None])] {
+        let scene = room(shutter);
+        let path = PathSettings { bounces: 6, ..PathSettings::default() };
+        let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 2048);
+        for &usage in every(2, uses.iter().rev()) {
+            let photons = if usage.is_some() { 100_000 } else { 40_000 };
+            let found = mean(&scene, PhotonSettings { bounces: 6, ..with(usage, photons) }, 128);
+            let sigma = found.standard_error.hypot(expected.standard_error) / expected.mean;
+            let bias = if usage == Some(PhotonMapUse::Direct) { 0.04 } else { 0.012 };
+            let error = (found.mean / expected.mean - 1.0).abs();
+            assert!(error < 4.0 * sigma + bias, "{usage:?}: {found:?} instead of {expected:?}");
+            assert!(sigma < 0.02, "{usage:?} is too noisy: {found:?}");
+        }
     }
 }
 

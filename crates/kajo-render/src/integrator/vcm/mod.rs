@@ -110,7 +110,7 @@ impl<'a, V: ReusedVolume<'a>> VertexMerging<'a, V> {
         let share = f64::from(k + 1).powf(0.5 * (f64::from(self.settings.alpha) - 1.0)) as f32;
         // The volume of balls goes as the area of disks.
         let ball_share = f64::from(k + 1).powf((f64::from(self.settings.alpha) - 1.0) / 3.0) as f32;
-        let moments = if self.view.scene.moves() { (FIRST_MOMENTS / share) as u32 } else { 1 };
+        let moments = if self.view.scene.has_moving_things() { (FIRST_MOMENTS / share) as u32 } else { 1 };
         MergePass {
             k,
             paths: self.settings.photons,

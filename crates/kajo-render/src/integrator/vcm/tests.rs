@@ -8,7 +8,7 @@ use kajo_testkit::{Estimate, every};
 
 use super::*;
 use crate::integrator::same_picture::assert_same_picture;
-use crate::integrator::tests::scene_with;
+use crate::integrator::tests::{passing_smoke, scene_with};
 use crate::integrator::{Path, PathSettings, PhotonMapping, PhotonSettings};
 use crate::{Film, FilmSpec, Layer, RenderSettings, Silent, render};
 
@@ -144,6 +144,17 @@ fn merging_alone_finds_a_beam_behind_glass() {
         let settings = VertexMergingSettings { bounces: 2, radius: 0.075, alpha: 1.0, ..with(photons) };
         // A part of each ball at a boundary lies outside the smoke.
         check(&scene(&text), settings, 64, expected * 0.985, 0.015);
+    }
+}
+
+/// Light of smoke that passes by is that of its moment.
+#[test]
+fn smoke_is_lit_while_it_passes() {
+    let (scenes, expected) = passing_smoke();
+    // The box of the second one is large beside its smoke.
+    for (scene, photons) in every(2, scenes.iter().zip([4000, 16_000])) {
+        let settings = VertexMergingSettings { bounces: 2, radius: 0.2, alpha: 1.0, ..with(photons) };
+        check(scene, settings, 64, expected * 0.92, 0.06);
     }
 }
 
