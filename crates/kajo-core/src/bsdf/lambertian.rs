@@ -99,7 +99,16 @@ mod tests {
         assert!(matt.beside_lambertian(wo, wi).is_black());
         let classic = Phong { diffuse: Spectrum::rgb(0.4, 0.2, 0.0), ..Phong::BLACK };
         let classic = Bsdf::Phong(PhongLobes::from(&classic));
-        assert!(classic.lambertian_reflectance().is_some() && classic.beside_lambertian(wo, wi).is_black());
+        assert!(classic.is_lambertian() && classic.lambertian_reflectance().is_some());
+        assert!(classic.beside_lambertian(wo, wi).is_black());
+        // Single directions are another part, though none of what is seen in others.
+        let diffuse = Spectrum::rgb(0.4, 0.2, 0.0);
+        let lacquer = Phong { diffuse, reflective: Spectrum::rgb(0.1, 0.1, 0.1), ..Phong::BLACK };
+        let gauze = Phong { diffuse, transparent: Spectrum::rgb(0.1, 0.1, 0.1), ..Phong::BLACK };
+        for classic in [lacquer, gauze].map(|phong| Bsdf::Phong(PhongLobes::from(&phong))) {
+            assert!(!classic.is_lambertian() && classic.lambertian_reflectance().is_some());
+            assert!(classic.beside_lambertian(wo, wi).is_black());
+        }
         let clay = Bsdf::OrenNayar(OrenNayar { reflectance: Spectrum::rgb(0.5, 0.4, 0.3), roughness: 0.5 });
         for bsdf in [clay, Bsdf::Null] {
             assert_eq!(bsdf.lambertian_reflectance(), None);

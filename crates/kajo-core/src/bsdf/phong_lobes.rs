@@ -87,9 +87,9 @@ impl PhongLobes {
         self.diffuse
     }
 
-    /// Whether nothing is glossy, so that all light of more than single directions is reflected evenly.
+    /// Whether all light is reflected evenly.
     pub(super) fn is_even(&self) -> bool {
-        self.specular.is_black()
+        [self.specular, self.reflective, self.transparent].iter().all(|color| color.is_black())
     }
 
     /// The diffuse lobe alone, for its value.
