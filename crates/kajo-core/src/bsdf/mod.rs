@@ -15,6 +15,7 @@
 //!
 //! [`Phong`] is apart from these: the classic shading model, which is no density of anything.
 
+mod broad;
 mod brushed_clear;
 mod brushed_metal;
 mod btf;
@@ -262,19 +263,6 @@ impl Bsdf<'_> {
             Bsdf::Phong(lobe) => lobe.is_delta(),
             Bsdf::ThinDielectric(lobe) => lobe.is_polished(),
             Bsdf::Deflector(_) | Bsdf::Null => true,
-        }
-    }
-
-    /// Whether light is scattered about evenly into many directions, so that light from all around says more of what is seen than
-    /// light from a few directions that are drawn by it.
-    #[inline]
-    pub fn is_broad(&self) -> bool {
-        match self {
-            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::BumpedDiffuse(_) => true,
-            Bsdf::Phong(lobe) => lobe.is_broad(),
-            Bsdf::Principled(lobe) => lobe.base == Base::Diffuse,
-            Bsdf::Subsurface(_) => true,
-            _ => false,
         }
     }
 

@@ -14,6 +14,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 use kajo_color::Spectrum;
 use kajo_math::{Frame, Vec2, Vec3, fmath, warp};
 
+use super::broad::LARGEST_BROAD_EXPONENT;
 use super::diffuse_normal::DiffuseNormal;
 use super::{BsdfSample, Phong, ScatterKind, Transport, fresnel, same_side, upright};
 
@@ -97,9 +98,9 @@ impl PhongLobes {
         PhongLobes { specular: Spectrum::BLACK, ..*self }
     }
 
-    /// Whether it scatters about evenly.
-    pub(super) fn is_broad(&self) -> bool {
-        !self.diffuse.is_black() && (self.specular.is_black() || self.exponent <= 10.0)
+    /// Whether the glossy lobe is narrow.
+    pub(super) fn is_narrow(&self) -> bool {
+        !self.specular.is_black() && self.exponent > LARGEST_BROAD_EXPONENT
     }
 
     /// `max(0, r·wi)^q`, zero behind the mirror direction for `q = 0` too.

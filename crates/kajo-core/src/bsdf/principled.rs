@@ -22,6 +22,7 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3, fmath};
 
+use super::broad::LEAST_BROAD_ALPHA;
 use super::diffuse_normal::DiffuseNormal;
 use super::fuzz::Fuzz;
 use super::gloss::Gloss;
@@ -282,13 +283,36 @@ impl Principled {
         Shares { fuzz: fuzz / sum, coat: seen.coat / sum, gloss: gloss / sum, base: base / sum }
     }
 
+    /// Whether gloss or coat of a diffuse base are narrow lobes.
+    pub(super) fn has_narrow_lobes(&self) -> bool {
+        let [gloss, coat] = self.broad_lobes();
+        !gloss || (self.coat > 0.0 && !coat)
+    }
+
+    /// Whether gloss and coat are broad lobes.
+    fn broad_lobes(&self) -> [bool; 2] {
+        [self.alpha.min_element(), self.coat_alpha].map(|alpha| alpha >= LEAST_BROAD_ALPHA)
+    }
+
+    /// The part of [`Principled::eval`] that is no narrow lobe.
+    pub(super) fn broad_value(&self, wo: Vec3, wi: Vec3, mode: Transport) -> Spectrum {
+        self.value(wo, wi, mode, self.broad_lobes())
+    }
+
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: Transport) -> Spectrum {
+        self.value(wo, wi, mode, [true; 2])
+    }
+
+    /// * `with_gloss`, `with_coat`: whether what the gloss of a diffuse base and what the coat reflect is part of it
+    #[inline(always)]
+    fn value(&self, wo: Vec3, wi: Vec3, mode: Transport, [with_gloss, with_coat]: [bool; 2]) -> Spectrum {
         let (wo, wi) = self.turned(wo, wi);
         let v = if mode == Transport::Radiance { wo } else { wi };
         let reflected_above = wo.z > 0.0 && wi.z > 0.0;
         let seen = self.seen(v);
-        let mut value = self.base_value(wo, wi, v, mode) * self.coat_tint(wo, wi, v) * seen.through;
-        if reflected_above && self.coat > 0.0 {
+        let mut value =
+            self.base_value(wo, wi, v, mode, with_gloss) * self.coat_tint(wo, wi, v) * seen.through;
+        if with_coat && reflected_above && self.coat > 0.0 {
             value += Spectrum::grey(self.coat_lobe().eval(wo, wi).0 * self.coat * (1.0 - seen.fuzz));
         }
         if reflected_above && self.fuzz > 0.0 {
@@ -300,7 +324,8 @@ impl Principled {
         value
     }
 
-    fn base_value(&self, wo: Vec3, wi: Vec3, v: Vec3, mode: Transport) -> Spectrum {
+    #[inline(always)]
+    fn base_value(&self, wo: Vec3, wi: Vec3, v: Vec3, mode: Transport, with_gloss: bool) -> Spectrum {
         match self.base {
             Base::Metal => self.metal().eval(wo, wi),
             Base::Glass => self.glass().eval(wo, wi, mode),
@@ -309,7 +334,8 @@ impl Principled {
                 let gloss = self.gloss();
                 let diffuse =
                     self.diffuse_normal.eval(wo, wi, mode, |wo, wi| self.diffuse_base().eval(wo, wi));
-                self.gloss_value(&gloss, wo, wi) + diffuse * (1.0 - self.gloss_kept(&gloss, v))
+                let below = diffuse * (1.0 - self.gloss_kept(&gloss, v));
+                if with_gloss { self.gloss_value(&gloss, wo, wi) + below } else { below }
             }
         }
     }

@@ -118,7 +118,7 @@ impl Subsurface {
     }
 
     /// All that reflects light outside.
-    fn reflecting(&self) -> Principled {
+    pub(super) fn reflecting(&self) -> Principled {
         self.over(self.color * (1.0 - self.share))
     }
 

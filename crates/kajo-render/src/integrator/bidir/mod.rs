@@ -63,7 +63,7 @@ pub(super) use merge::LightVertex;
 pub(super) use merge::{MergePass, Merging};
 use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
-pub(super) use subpath::Subpath;
+pub(super) use subpath::{LightStep, Subpath};
 pub(super) use techniques::VertexCounts;
 use techniques::{AllTechniques, Techniques};
 pub(super) use vertex::Vertex;

@@ -84,6 +84,14 @@ impl<'s> Subpath<'s> {
 /// The vertex that a path has come to: scattering on the surface, or the collision in a medium, where there is none.
 pub type NextVertex<'a> = (Bsdf<'a>, Option<MediumInteraction<'a>>);
 
+/// What a path from a light has come to.
+pub enum LightStep<'a> {
+    /// A surface that it went straight through, by a hole or a pane, and what it carried there.
+    Passed(Spectrum),
+    /// A vertex.
+    Vertex(NextVertex<'a>),
+}
+
 impl Subpath<'_> {
     /// Follows a path from a light to its next vertex; `None` where it ends.
     ///
@@ -101,24 +109,45 @@ impl Subpath<'_> {
         first: &mut Option<Interaction>,
         observer: &mut impl PathObserver,
     ) -> Option<NextVertex<'v>> {
-        let state = &mut self.state;
-        let (bsdf, collision) = loop {
-            match advance(scene, state, surface, first, observer) {
-                Event::Surface => {
-                    let mut bsdf = shade_one_way(scene, state, surface);
-                    if !pass_straight(scene, state, surface, &mut bsdf) {
-                        break (bsdf, None);
-                    }
-                }
-                Event::Medium(at) if V::HAS_MEDIA => break (Bsdf::Null, Some(at)),
-                _ => return None,
+        loop {
+            if let LightStep::Vertex(vertex) =
+                self.step_from_light::<V>(scene, emitted, surface, first, observer)?
+            {
+                return Some(vertex);
             }
-        };
-        if state.scatterings == 0 {
-            let p = collision.map_or(surface.at.point.p, |at| at.p);
-            state.beta *= emitted.share_at(p.distance(emitted.at.p()));
         }
-        Some((bsdf, collision))
+    }
+
+    /// The same to the next surface, be it a hole.
+    #[inline(always)]
+    pub fn step_from_light<'v, V: Volume<'v>>(
+        &mut self,
+        scene: &'v Scene,
+        emitted: &LightLeSample,
+        surface: &mut SurfaceInteraction,
+        first: &mut Option<Interaction>,
+        observer: &mut impl PathObserver,
+    ) -> Option<LightStep<'v>> {
+        let state = &mut self.state;
+        let is_first = state.scatterings == 0;
+        let share = |p: Vec3| if is_first { emitted.share_at(p.distance(emitted.at.p())) } else { 1.0 };
+        match advance(scene, state, surface, first, observer) {
+            Event::Surface => {
+                let share = share(surface.at.point.p);
+                let mut bsdf = shade_one_way(scene, state, surface);
+                let beta = state.beta;
+                if pass_straight(scene, state, surface, &mut bsdf) {
+                    return Some(LightStep::Passed(beta * share));
+                }
+                state.beta *= share;
+                Some(LightStep::Vertex((bsdf, None)))
+            }
+            Event::Medium(at) if V::HAS_MEDIA => {
+                state.beta *= share(at.p);
+                Some(LightStep::Vertex((Bsdf::Null, Some(at))))
+            }
+            _ => None,
+        }
     }
 
     /// The sums at the point `p` that the ray has come to [Georgiev 2012, eq. 34 and 35], with the density per area and the factor of the way back

@@ -118,6 +118,14 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
         local.to_local(wi).map_or(Spectrum::BLACK, scattered)
     }
 
+    /// The share of [`Vertex::gathered`] that belongs to narrow lobes beside what is scattered broadly.
+    pub fn narrow_share(&self, wi: Vec3) -> Spectrum {
+        let local = self.local(self.wo);
+        let bumped = local.bumped(&self.bsdf);
+        let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
+        local.to_local(wi).map_or(Spectrum::BLACK, |wi| bsdf.narrow_share(local.wo, wi))
+    }
+
     /// Scattering of light of a path from the light to `wo`, with the cosine of `wo`.
     pub fn passed_on(&self, wo: Vec3) -> Spectrum {
         if let Some(phase) = self.phase() {

@@ -14,7 +14,7 @@
 //! The numbers of path `i` of map `k` are those of sample `i` of one pixel of a Sobol sequence, so that the photons of a map are spread
 //! evenly over lights, positions and directions.
 
-use kajo_color::Wavelengths;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::LightGroup;
 use kajo_core::light::{LightLeSample, PowerLightSampler, SampledLight};
 use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
@@ -26,7 +26,7 @@ use super::beam::HomogeneousRay;
 use super::beam_map::PhotonBeam;
 use super::shutter::ShutterParts;
 use crate::integrator::bidir::{
-    NoMedia, Subpath, Vertex, Volume, WithMedia, is_endless, light_end, sample_emitted,
+    LightStep, NoMedia, Subpath, Vertex, Volume, WithMedia, is_endless, light_end, sample_emitted,
 };
 use crate::integrator::photon_map::{Arrival, Photon, dither};
 use crate::integrator::transport::{LaneMis, PathState, SurfaceInteraction};
@@ -256,36 +256,37 @@ impl<'a> PhotonEmission<'a> {
         batch: &mut PhotonBatch,
     ) {
         let scene = self.scene;
-        let mut observer = BeamKeeper::new(&self.sampler, wanted, batch.beams.len() < MOST_BEAMS);
+        let mut observer = PhotonKeeper::new(&self.sampler, i, wanted, batch.beams.len() < MOST_BEAMS);
         batch.beam_paths += u32::from(observer.keeps_beams);
         let Some((mut path, emitted)) = self.begin::<V>(map, i, wavelengths) else { return };
         observer.counters().light += 1;
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
-        let mut stored = 0;
-        while let Some((bsdf, collision)) =
-            path.next_from_light::<V>(scene, &emitted, &mut surface, &mut first, &mut observer)
+        while let Some(step) =
+            path.step_from_light::<V>(scene, &emitted, &mut surface, &mut first, &mut observer)
         {
             observer.is_held_up |= !path.state.connectable;
-            let route = observer.route();
+            let (bsdf, collision) = match step {
+                LightStep::Vertex(vertex) => vertex,
+                // What is a hole to this path may be seen by others.
+                LightStep::Passed(beta) if scene.is_mixture(&surface.at) => {
+                    observer.leave(&map.arrival_on(scene, &path, &surface, beta), batch);
+                    continue;
+                }
+                LightStep::Passed(_) => continue,
+            };
             let vertex = match &collision {
                 None => path.vertex::<V>(scene, &surface, bsdf, LightGroup::default()),
                 Some(at) => path.vertex_in_medium::<V>(scene, at, LightGroup::default()),
             };
             match &collision {
-                None if !bsdf.is_delta() => {
-                    let arrival = map.arrival_on(scene, &path, &vertex, &surface);
-                    batch.keep(Photon::new(&arrival, dither(i, stored)), wanted, route);
-                    stored += 1;
+                // Of a mixture another part may be seen from the camera.
+                None if !bsdf.is_delta() || scene.is_mixture(&surface.at) => {
+                    observer.leave(&map.arrival_on(scene, &path, &surface, path.state.beta), batch);
                 }
                 // Paths from the camera go on through bodies that scatter light many times.
                 Some(at) if !at.is_subsurface => {
-                    if wanted.in_media.is_some_and(|wanted| wanted.takes(route)) {
-                        let arrival = map.arrival_in_medium(scene, &path, &vertex);
-                        batch.in_media.push(Photon::new(&arrival, dither(i, stored)));
-                        batch.photons_beside_beams +=
-                            u64::from(observer.wants_beam(scene, &path.state).is_some());
-                    }
-                    stored += 1;
+                    let arrival = map.arrival_in_medium(scene, &path, &vertex);
+                    observer.leave_in_medium(&arrival, scene, &path.state, batch);
                 }
                 _ => {}
             }
@@ -331,27 +332,24 @@ impl<'a> PhotonEmission<'a> {
 }
 
 impl MapPart {
-    /// What comes to a vertex.
-    fn arrival<'v, V: Volume<'v>>(&self, path: &Subpath<'_>, vertex: &Vertex<'v, V>) -> Arrival {
-        Arrival {
-            p: vertex.at.p,
-            n: vertex.at.ng,
-            wi: vertex.wo,
-            power: path.state.beta * (1.0 / self.paths as f32),
-            scatterings: path.state.scatterings,
-            secondary_terminated: vertex.secondary_terminated,
-        }
-    }
-
-    /// What comes to a vertex on a surface, where that is in the middle of the part.
-    fn arrival_on<'v, V: Volume<'v>>(
+    /// What comes to a surface, where that is in the middle of the part.
+    ///
+    /// * `beta`: what the path carries there
+    fn arrival_on(
         &self,
         scene: &Scene,
         path: &Subpath<'_>,
-        vertex: &Vertex<'v, V>,
         surface: &SurfaceInteraction,
+        beta: Spectrum,
     ) -> Arrival {
-        Arrival { p: self.shutter.point_at(scene, &surface.at), ..self.arrival(path, vertex) }
+        Arrival {
+            p: self.shutter.point_at(scene, &surface.at),
+            n: surface.at.point.ng,
+            wi: surface.wo,
+            power: beta * (1.0 / self.paths as f32),
+            scatterings: path.state.scatterings,
+            secondary_terminated: path.state.wavelengths.secondary_terminated(),
+        }
     }
 
     /// What comes to a vertex in a medium.
@@ -361,17 +359,26 @@ impl MapPart {
         path: &Subpath<'_>,
         vertex: &Vertex<'v, V>,
     ) -> Arrival {
-        let arrival = self.arrival(path, vertex);
-        let PathState { media, wavelengths, ray, .. } = &path.state;
+        let PathState { media, wavelengths, ray, beta, scatterings, .. } = &path.state;
         let sigma_s = media.scattering(scene, vertex.at.p, ray.time, wavelengths);
-        Arrival { n: Vec3::Z, power: arrival.power.safe_div(sigma_s), ..arrival }
+        Arrival {
+            p: vertex.at.p,
+            n: Vec3::Z,
+            wi: vertex.wo,
+            power: (*beta * (1.0 / self.paths as f32)).safe_div(sigma_s),
+            scatterings: *scatterings,
+            secondary_terminated: vertex.secondary_terminated,
+        }
     }
 }
 
-/// Counts the rays of a path, and keeps those through homogeneous media as beams.
+/// Leaves the photons of a path, counts its rays, and keeps those through homogeneous media as beams.
 #[derive(Default)]
-struct BeamKeeper<'a> {
+struct PhotonKeeper<'a> {
     counting: Counting<'a>,
+    /// The number of the path, and how many photons it has left.
+    path: u32,
+    stored: u32,
     /// What is kept, and whether beams are among it.
     wanted: PhotonRequest,
     keeps_beams: bool,
@@ -382,12 +389,40 @@ struct BeamKeeper<'a> {
     beams: Vec<PhotonBeam>,
 }
 
-impl<'a> BeamKeeper<'a> {
+impl<'a> PhotonKeeper<'a> {
+    /// * `path`: its number
     /// * `has_room`: whether more beams are wanted
-    fn new(sampler: &'a Sampler, wanted: PhotonRequest, has_room: bool) -> BeamKeeper<'a> {
+    fn new(sampler: &'a Sampler, path: u32, wanted: PhotonRequest, has_room: bool) -> PhotonKeeper<'a> {
         let counting = Counting::new(&SampleContext::new(sampler, 0));
         let keeps_beams = has_room && wanted.beams.is_some();
-        BeamKeeper { counting, wanted, keeps_beams, is_clear: true, ..BeamKeeper::default() }
+        PhotonKeeper { counting, path, wanted, keeps_beams, is_clear: true, ..PhotonKeeper::default() }
+    }
+
+    /// The number by which the power of the next photon is rounded.
+    fn next_dither(&mut self) -> f32 {
+        self.stored += 1;
+        dither(self.path, self.stored - 1)
+    }
+
+    /// Leaves a photon on a surface where it is wanted.
+    fn leave(&mut self, arrival: &Arrival, batch: &mut PhotonBatch) {
+        let photon = Photon::new(arrival, self.next_dither());
+        batch.keep(photon, self.wanted, self.route());
+    }
+
+    /// Leaves a photon in a medium where it is wanted.
+    fn leave_in_medium(
+        &mut self,
+        arrival: &Arrival,
+        scene: &Scene,
+        state: &PathState<'_>,
+        batch: &mut PhotonBatch,
+    ) {
+        let dither = self.next_dither();
+        if self.wanted.in_media.is_some_and(|wanted| wanted.takes(self.route())) {
+            batch.in_media.push(Photon::new(arrival, dither));
+            batch.photons_beside_beams += u64::from(self.wants_beam(scene, state).is_some());
+        }
     }
 
     /// The ray of a path, if it is one of those that may be kept as beams.
@@ -402,7 +437,7 @@ impl<'a> BeamKeeper<'a> {
     }
 }
 
-impl PathObserver for BeamKeeper<'_> {
+impl PathObserver for PhotonKeeper<'_> {
     type Mark = ();
 
     fn counters(&mut self) -> &mut RayCounters {

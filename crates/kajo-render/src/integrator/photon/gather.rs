@@ -24,6 +24,9 @@
 //! scattered many times before it leaves are finer than any ball; through them paths go on. Along rays through
 //! homogeneous media progressive photon mapping sums all photons near the ray instead, or all beams; see `beam.rs`.
 //!
+//! Narrow lobes beside a diffuse part, `f = f_broad + f_narrow`, are left to the path: photons count for `f_broad`, and the path that goes on carries
+//! the share `f_narrow / f`.
+//!
 //! Light that is drawn for the vertex, and light that the path hits, are the two estimates of path tracing, per solid
 //! angle, with the power heuristic; light of one kind is taken either from a map or from these.
 //!
@@ -96,6 +99,21 @@ struct From {
     pdf: f32,
     /// Whether its caustics were taken from a map.
     has_caustics: bool,
+    /// The share of caustics that was not.
+    caustics: Spectrum,
+    /// Whether its lights were drawn as if no path met them.
+    is_alone: bool,
+}
+
+/// Which light that is drawn for a vertex may be met by the path, too, so that both count by the power heuristic.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Meeting {
+    /// None.
+    None,
+    /// All.
+    All,
+    /// That of narrow lobes. The rest counts in full, or was taken from a map.
+    Narrow { has_rest: bool },
 }
 
 /// From what the light of a vertex is estimated.
@@ -115,6 +133,18 @@ impl Role {
     /// Whether the path goes on by all that scatters light there.
     fn goes_on(self) -> bool {
         matches!(self, Role::DirectAndCaustics | Role::Direct)
+    }
+
+    /// Which of the light that is drawn the path may meet; `None` where no light is drawn.
+    ///
+    /// * `is_split`: whether narrow lobes are left to the path
+    fn meeting(self, is_split: bool) -> Option<Meeting> {
+        match self {
+            role if role.goes_on() => Some(Meeting::All),
+            Role::FromMap => is_split.then_some(Meeting::Narrow { has_rest: false }),
+            _ if is_split => Some(Meeting::Narrow { has_rest: true }),
+            _ => Some(Meeting::None),
+        }
     }
 }
 
@@ -318,33 +348,63 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             self.albedo = Some(z.bsdf.albedo(z.local(z.wo).wo));
         }
         let role = self.role(z, surface.length, from.as_ref());
-        if role != Role::FromMap {
-            self.add_direct_light(&mut path.state, z, role.goes_on(), None);
+        let is_split = self.is_split(role, z);
+        if let Some(meeting) = role.meeting(is_split) {
+            self.add_direct_light(&mut path.state, z, meeting, None);
         }
-        let point = GatherPoint { p: self.photons.shutter.point_at(self.scene(), &surface.at), n: z.at.ng };
+        let p = self.photons.shutter.point_at(self.scene(), &surface.at);
+        let query = MapQuery { point: GatherPoint { p, n: z.at.ng }, is_split };
         match (self.maps, role) {
             (_, Role::Direct) => {}
             (Maps::Progressive { indirect, radius, .. }, _) => {
-                self.add_disk(&path.state, z, indirect, &point, radius.disk.at(self.footprint.at(length)));
+                self.add_disk(&path.state, z, indirect, &query, radius.disk.at(self.footprint.at(length)));
             }
             (Maps::Fixed { caustics, .. }, Role::DirectAndCaustics) => {
-                self.add_nearest(&path.state, z, caustics, &point)
+                self.add_nearest(&path.state, z, caustics, &query)
             }
             (Maps::Fixed { usage: PhotonMapUse::Dots, all, .. }, _) => {
-                self.add_dots(&path.state, z, all, &point, length)
+                self.add_dots(&path.state, z, all, &query.point, length)
             }
-            (Maps::Fixed { all, .. }, _) => self.add_nearest(&path.state, z, all, &point),
+            (Maps::Fixed { all, .. }, _) => self.add_nearest(&path.state, z, all, &query),
         }
         let receiver = z.receiver(path.state.ray.time);
         if !path.scatter(z, surface, roulette, self.observer) {
             return false;
         }
-        let is_mirrored = !path.state.connectable;
-        if !is_mirrored {
-            let has_caustics = role == Role::DirectAndCaustics;
-            *from = Some(From { receiver, pdf: path.last.pdf, has_caustics });
+        !path.state.connectable || self.leave(path, z, receiver, role, from)
+    }
+
+    /// Leaves a vertex in another than a single direction; `false` when the path ends.
+    fn leave<V: Volume<'a>>(
+        &mut self,
+        path: &mut Subpath<'_>,
+        z: &Vertex<'a, V>,
+        receiver: Receiver,
+        role: Role,
+        from: &mut Option<From>,
+    ) -> bool {
+        let is_split = self.is_split(role, z);
+        let narrow = if is_split { z.narrow_share(path.state.ray.d) } else { Spectrum::BLACK };
+        let caustics = if role == Role::DirectAndCaustics { narrow } else { Spectrum::WHITE };
+        let has_caustics = matches!(role, Role::DirectAndCaustics | Role::FromMap);
+        let is_alone = !role.goes_on();
+        *from = Some(From { receiver, pdf: path.last.pdf, has_caustics, caustics, is_alone });
+        match role.goes_on() {
+            true => true,
+            false if is_split => keep(&mut path.state, narrow),
+            false => self.goes_on_for_media(),
         }
-        role.goes_on() || is_mirrored || self.goes_on_for_media()
+    }
+
+    /// Whether narrow lobes of a vertex are left to the path, and the map has what is scattered broadly.
+    fn is_split<V: Volume<'a>>(&self, role: Role, z: &Vertex<'a, V>) -> bool {
+        let is_meant = match self.maps {
+            Maps::Fixed { usage: PhotonMapUse::Direct | PhotonMapUse::Dots, .. } => false,
+            // The path goes on for media that emit, by all lobes.
+            _ if self.photons.has_emissive_media => role == Role::DirectAndCaustics,
+            _ => role != Role::Direct,
+        };
+        is_meant && z.bsdf.has_narrow_lobes()
     }
 
     /// Whether a path goes on whose other light was taken from a map; it does so for the light of media that emit.
@@ -380,7 +440,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         };
         if role != Role::FromMap {
             let collision = self.along.map(|along| along.collision(at.length, &path.state));
-            self.add_direct_light(&mut path.state, &z, role.goes_on(), collision);
+            let meeting = if role.goes_on() { Meeting::All } else { Meeting::None };
+            self.add_direct_light(&mut path.state, &z, meeting, collision);
         }
         match self.maps {
             _ if role == Role::Direct => {}
@@ -400,7 +461,10 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         if !path.scatter_in_medium(&z, at, photons.settings.roulette, self.observer) {
             return false;
         }
-        *from = Some(From { receiver, pdf: path.last.pdf, has_caustics: role == Role::DirectAndCaustics });
+        let has_caustics = role == Role::DirectAndCaustics;
+        let caustics = if has_caustics { Spectrum::BLACK } else { Spectrum::WHITE };
+        *from =
+            Some(From { receiver, pdf: path.last.pdf, has_caustics, caustics, is_alone: !role.goes_on() });
         true
     }
 
@@ -450,7 +514,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     fn role<V: Volume<'a>>(&self, z: &Vertex<'a, V>, length: f32, from: Option<&From>) -> Role {
         match self.maps {
             Maps::Fixed { usage: PhotonMapUse::Direct | PhotonMapUse::Dots, .. } => Role::FromMap,
-            _ if !z.bsdf.is_broad() => Role::Direct,
+            _ if !z.bsdf.has_broad_part() => Role::Direct,
             Maps::Progressive { .. } => Role::DirectAndMap,
             // Nearby surfaces are seen too sharply for the disks of a map; there one more ray is cast.
             Maps::Fixed { usage: PhotonMapUse::Gather, all, .. }
@@ -474,11 +538,11 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         state: &PathState<'_>,
         z: &Vertex<'a, V>,
         map: &PhotonMap,
-        point: &GatherPoint,
+        query: &MapQuery,
         r: f32,
     ) {
-        let mut sums = Sums::new(self.most_scatterings(state));
-        map.within(point, r, |photon| sums.add(z, photon));
+        let mut sums = Sums { is_split: query.is_split, ..Sums::new(self.most_scatterings(state)) };
+        map.within(&query.point, r, |photon| sums.add(z, photon));
         // [Jensen 2001, eq. 7.6]
         self.add_sums(state.beta, &state.wavelengths, &sums, (PI * r * r).recip());
     }
@@ -489,13 +553,14 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         state: &PathState<'_>,
         z: &Vertex<'a, V>,
         map: &PhotonMap,
-        point: &GatherPoint,
+        query: &MapQuery,
     ) {
         if map.is_empty() {
             return;
         }
-        let mut sums = Sums::new(self.most_scatterings(state));
-        let density = map.nearest(point, NEIGHBOURS, &mut self.scratch.nearest, |photon| sums.add(z, photon));
+        let mut sums = Sums { is_split: query.is_split, ..Sums::new(self.most_scatterings(state)) };
+        let density =
+            map.nearest(&query.point, NEIGHBOURS, &mut self.scratch.nearest, |photon| sums.add(z, photon));
         self.add_sums(state.beta, &state.wavelengths, &sums, density);
     }
 
@@ -582,7 +647,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// The MIS weight of light that the path hit: `p^2 / (p^2 + q^2)` of the density `p` per solid angle with which it went there and the
-    /// density `q` of drawing the light at the vertex before [Veach 1997, eq. 9.15]; 0 for a caustic that was taken from a map.
+    /// density `q` of drawing the light at the vertex before [Veach 1997, eq. 9.15]; for a caustic the share that was not taken from a map.
     ///
     /// * `at`: the point of the light
     /// * `d`: unit direction in which the path came to it
@@ -593,17 +658,18 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         at: &LightPoint,
         d: Vec3,
         from: Option<&From>,
-    ) -> f32 {
+    ) -> Spectrum {
         match from {
-            None => 1.0,
+            None => Spectrum::WHITE,
             Some(from) if state.connectable => {
-                let choice = self.photons.settings.light_choice;
+                let choice = LightSelection::from(self.photons.settings.light_choice);
+                let choice = if from.is_alone { choice.alone() } else { choice };
                 let pdf_li = self.scene().pdf_li(hit.light, &from.receiver, at, d, choice);
                 let reach = if state.carries_media { state.lanes.arrival(&state.wavelengths) } else { 1.0 };
-                power_heuristic(from.pdf * reach, pdf_li)
+                Spectrum::grey(power_heuristic(from.pdf * reach, pdf_li))
             }
-            // By way of mirrors: a caustic.
-            Some(from) => f32::from(u8::from(!from.has_caustics)),
+            // By way of mirrors.
+            Some(from) => from.caustics,
         }
     }
 
@@ -632,19 +698,19 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// Next-event estimation at a vertex: the integral over directions of `f |cos| Li`, by one direction drawn with the density `q` per solid
     /// angle, is `f |cos| T V Le w / q` with the weight `w = q^2 / (p^2 + q^2)` [Veach 1997, eq. 9.15].
     ///
-    /// * `may_meet`: whether the path goes on and may meet the light, so that both count by the power heuristic
+    /// * `meeting`: which of the light the path may meet
     /// * `collision`: where the vertex is one on a ray for a point of which light was drawn too
     fn add_direct_light<V: Volume<'a>>(
         &mut self,
         state: &mut PathState<'_>,
         z: &Vertex<'a, V>,
-        may_meet: bool,
+        meeting: Meeting,
         collision: Option<CollisionOnRay>,
     ) {
         let scene = self.scene();
         let time = state.ray.time;
         let choice = LightSelection::from(self.photons.settings.light_choice);
-        let by = if may_meet { choice } else { choice.alone() };
+        let by = if meeting == Meeting::All { choice } else { choice.alone() };
         let Some(drawn) = sample_light(scene, state, &z.receiver(time), by) else { return };
         let DrawnLight { light, pdf, li: LightLiSample { wi, radiance, is_delta, at, .. } } = drawn;
         let scattered = z.gathered(wi);
@@ -658,11 +724,20 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let share =
             SegmentShare::along(scene, z, wi, distance, &segment, Joining::from(state), self.observer);
         let found = share.map_or(Spectrum::BLACK, |SegmentShare { within, visible, reach }| {
-            let weight = match may_meet && !is_delta {
-                true => power_heuristic(pdf, z.pdf(z.wo, wi) * reach),
-                false => 1.0,
+            let drawn = || match is_delta {
+                true => 1.0,
+                false => power_heuristic(pdf, z.pdf(z.wo, wi) * reach),
             };
-            carried * radiance * within * visible * (weight / pdf)
+            let weight = match meeting {
+                Meeting::None => Spectrum::WHITE,
+                Meeting::All => Spectrum::grey(drawn()),
+                Meeting::Narrow { has_rest } => {
+                    let narrow = z.narrow_share(wi);
+                    let rest = if has_rest { Spectrum::WHITE - narrow } else { Spectrum::BLACK };
+                    rest + narrow * drawn()
+                }
+            };
+            carried * radiance * within * visible * weight * pdf.recip()
         });
         let about = || About {
             eta: z.eta(wi).unwrap_or(1.0),
@@ -682,17 +757,36 @@ fn dot_of(photon: &Photon) -> Spectrum {
     power * (1.0 / largest)
 }
 
+/// A place whose photons are wanted.
+struct MapQuery {
+    point: GatherPoint,
+    /// Whether they count for what is scattered broadly alone.
+    is_split: bool,
+}
+
+/// Leaves a path a share of what it carries, and ends it at random by what it loses.
+fn keep(state: &mut PathState<'_>, share: Spectrum) -> bool {
+    let q = state.wavelengths.max_lane(share);
+    if state.draws.next_1d() >= q {
+        return false;
+    }
+    state.beta *= share * q.recip();
+    true
+}
+
 /// Power of photons, scattered to the camera.
 struct Sums {
     all: Spectrum,
     /// Of those of which only one wavelength counts.
     single: Spectrum,
     most_scatterings: u32,
+    /// Whether narrow lobes are left out.
+    is_split: bool,
 }
 
 impl Sums {
     fn new(most_scatterings: u32) -> Sums {
-        Sums { all: Spectrum::BLACK, single: Spectrum::BLACK, most_scatterings }
+        Sums { all: Spectrum::BLACK, single: Spectrum::BLACK, most_scatterings, is_split: false }
     }
 
     /// `f Φ`, with the factor for shading normals of light that comes from a light [Veach 1997, 5.3.2].
@@ -705,7 +799,8 @@ impl Sums {
         if cosine <= 0.0 {
             return;
         }
-        self.take(photon.secondary_terminated(), z.gathered(wi) * photon.power() * cosine.recip());
+        let broad = if self.is_split { Spectrum::WHITE - z.narrow_share(wi) } else { Spectrum::WHITE };
+        self.take(photon.secondary_terminated(), z.gathered(wi) * broad * photon.power() * cosine.recip());
     }
 
     /// Adds the light that a photon or a beam brings.

@@ -195,6 +195,41 @@ fn maps_and_paths_agree_where_paths_find_all() {
     }
 }
 
+/// In light from the ceiling alone, highlights beside diffuse parts are left to paths, and what is a hole to a photon is seen by others: of coats a half was lost, of
+/// surfaces that are holes in part as much of the indirect light.
+#[test]
+fn coats_and_holes_are_as_bright_as_by_paths() {
+    let scene_of = |material: &str| {
+        let text = format!(
+            "{} Materials {{ Matte wall {{ color 0.7 0.6 0.5 }}  Matte emitter {{ color 0 0 0 emission 5 5 5 emits front }} {material} }}
+             Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                      MaterialIndex emitter Quad {{ corner -0.9 1 -0.9 edge1 0 0 1.8 edge2 1.8 0 0 }}
+                      MaterialIndex thing Sphere {{ center -0.6 -0.6 -0.2 radius 0.9 }}
+                      MaterialIndex thing Box {{ min 0.5 -1.6 -0.9 max 1.7 0 0.3 }} }}",
+            camera([0.0, -0.3, 1.9], [-0.5, -0.6, 0.0], 30.0)
+        );
+        scene(&text)
+    };
+    let materials = [
+        "Principled thing { color 0.05 0.05 0.05  roughness 0.6  coat 1 }",
+        "Matte thing { color 0.8 0.7 0.6  opacity 0.4 }",
+        "PhongMaterial thing { diffuseColor 0.4 0.3 0.2  specularColor 0.4 0.4 0.4  exponent 60  reflectiveColor 0.1 0.1 0.1 }",
+        "Principled thing { color 0.6 0.5 0.4  metalness 0.5  roughness 0.2 }",
+    ];
+    for material in materials {
+        let scene = scene_of(material);
+        let path = PathSettings { bounces: 6, ..PathSettings::default() };
+        let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 4096);
+        for usage in every(2, [None, Some(PhotonMapUse::Caustics), Some(PhotonMapUse::Gather)]) {
+            let found = mean(&scene, PhotonSettings { bounces: 6, ..with(usage, 10_000) }, 128);
+            let sigma = found.standard_error.hypot(expected.standard_error) / expected.mean;
+            let error = (found.mean / expected.mean - 1.0).abs();
+            assert!(error < 4.0 * sigma + 0.012, "{material} {usage:?}: {found:?} instead of {expected:?}");
+            assert!(sigma < 0.05, "{material} {usage:?} is too noisy: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn radii_shrink_as_they_should() {
     let world = BoundingSphere { center: Vec2::ZERO.extend(0.0), radius: 1.0 };
