@@ -10,7 +10,7 @@
 use kajo_color::Spectrum;
 use kajo_math::Vec3;
 
-use super::{Bsdf, Transport};
+use super::{Bsdf, Transport, same_side};
 
 /// The least roughness `α` of lobes that are broad: about that of Phong's exponent 10.
 pub(super) const LEAST_BROAD_ALPHA: f32 = 0.4;
@@ -39,24 +39,27 @@ impl Bsdf<'_> {
         }
     }
 
-    /// The share of [`Bsdf::eval`] that belongs to narrow lobes, by lane in [0, 1]; 0 where there is no broad part beside them.
+    /// The part of [`Bsdf::eval`] that is no narrow lobe beside a broad part: all of it where there are no such lobes.
     ///
     /// * `wo`, `wi`: as for `eval`, of the radiance that a path from the camera gathers
-    pub fn narrow_share(&self, wo: Vec3, wi: Vec3) -> Spectrum {
-        if !self.has_narrow_lobes() {
-            return Spectrum::BLACK;
-        }
+    pub fn broad_part(&self, wo: Vec3, wi: Vec3) -> Spectrum {
         let mode = Transport::Radiance;
-        let broad = match self {
-            Bsdf::Phong(lobes) => lobes.without_gloss().eval(wo, wi, mode),
-            Bsdf::Principled(layers) => layers.broad_value(wo, wi, mode),
-            Bsdf::Subsurface(body) if super::same_side(wo, wi) && wo.z > 0.0 => {
+        match self {
+            Bsdf::Phong(lobes) if self.has_narrow_lobes() => lobes.without_gloss().eval(wo, wi, mode),
+            Bsdf::Principled(layers) if layers.has_diffuse() => layers.broad_value(wo, wi, mode),
+            Bsdf::Subsurface(body) if same_side(wo, wi) && wo.z > 0.0 => {
                 body.reflecting().broad_value(wo, wi, mode)
             }
-            _ => return Spectrum::BLACK,
-        };
-        let all = self.eval(wo, wi, mode);
-        (all - broad).safe_div(all).clamp(0.0, 1.0)
+            _ => self.eval(wo, wi, mode),
+        }
+    }
+
+    /// The share of [`Bsdf::eval`] that is not its broad part, by lane in [0, 1].
+    ///
+    /// * `wo`, `wi`: as for [`Bsdf::broad_part`]
+    pub fn narrow_share(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        let all = self.eval(wo, wi, Transport::Radiance);
+        (all - self.broad_part(wo, wi)).safe_div(all).clamp(0.0, 1.0)
     }
 }
 

@@ -111,19 +111,25 @@ impl<'s, V: Volume<'s>> Vertex<'s, V> {
         if let Some(phase) = self.phase() {
             return phase.eval(self.wo, wi).value();
         }
-        let local = self.local(self.wo);
-        let bumped = local.bumped(&self.bsdf);
-        let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
-        let scattered = |wi: Vec3| bsdf.eval(local.wo, wi, Transport::Radiance);
-        local.to_local(wi).map_or(Spectrum::BLACK, scattered)
+        self.of_bsdf(wi, |bsdf, wo, wi| bsdf.eval(wo, wi, Transport::Radiance))
     }
 
-    /// The share of [`Vertex::gathered`] that belongs to narrow lobes beside what is scattered broadly.
+    /// The part of [`Vertex::gathered`] that is no narrow lobe, of a surface.
+    pub fn gathered_broadly(&self, wi: Vec3) -> Spectrum {
+        self.of_bsdf(wi, Bsdf::broad_part)
+    }
+
+    /// The share of [`Vertex::gathered`] that belongs to narrow lobes, of a surface.
     pub fn narrow_share(&self, wi: Vec3) -> Spectrum {
+        self.of_bsdf(wi, Bsdf::narrow_share)
+    }
+
+    /// What the surface says of light that comes from `wi` back along the path: by `wo` and `wi` in its own frame.
+    fn of_bsdf(&self, wi: Vec3, asked: impl Fn(&Bsdf<'s>, Vec3, Vec3) -> Spectrum) -> Spectrum {
         let local = self.local(self.wo);
         let bumped = local.bumped(&self.bsdf);
         let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
-        local.to_local(wi).map_or(Spectrum::BLACK, |wi| bsdf.narrow_share(local.wo, wi))
+        local.to_local(wi).map_or(Spectrum::BLACK, |wi| asked(bsdf, local.wo, wi))
     }
 
     /// Scattering of light of a path from the light to `wo`, with the cosine of `wo`.

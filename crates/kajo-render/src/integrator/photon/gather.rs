@@ -105,15 +105,15 @@ struct From {
     is_alone: bool,
 }
 
-/// Which light that is drawn for a vertex may be met by the path, too, so that both count by the power heuristic.
+/// Which part of direct light has two estimates, by drawing lights and by scattering, that count by the power heuristic.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Meeting {
-    /// None.
+enum DirectMis {
+    /// None: lights are drawn alone.
     None,
     /// All.
     All,
-    /// That of narrow lobes. The rest counts in full, or was taken from a map.
-    Narrow { has_rest: bool },
+    /// That of narrow lobes. Of the rest lights are drawn alone, or it was taken from a map.
+    Narrow { draws_rest: bool },
 }
 
 /// From what the light of a vertex is estimated.
@@ -135,15 +135,15 @@ impl Role {
         matches!(self, Role::DirectAndCaustics | Role::Direct)
     }
 
-    /// Which of the light that is drawn the path may meet; `None` where no light is drawn.
+    /// Which part of direct light has two estimates; `None` where no light is drawn.
     ///
     /// * `is_split`: whether narrow lobes are left to the path
-    fn meeting(self, is_split: bool) -> Option<Meeting> {
+    fn direct_mis(self, is_split: bool) -> Option<DirectMis> {
         match self {
-            role if role.goes_on() => Some(Meeting::All),
-            Role::FromMap => is_split.then_some(Meeting::Narrow { has_rest: false }),
-            _ if is_split => Some(Meeting::Narrow { has_rest: true }),
-            _ => Some(Meeting::None),
+            role if role.goes_on() => Some(DirectMis::All),
+            Role::FromMap => is_split.then_some(DirectMis::Narrow { draws_rest: false }),
+            _ if is_split => Some(DirectMis::Narrow { draws_rest: true }),
+            _ => Some(DirectMis::None),
         }
     }
 }
@@ -349,8 +349,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         }
         let role = self.role(z, surface.length, from.as_ref());
         let is_split = self.is_split(role, z);
-        if let Some(meeting) = role.meeting(is_split) {
-            self.add_direct_light(&mut path.state, z, meeting, None);
+        if let Some(mis) = role.direct_mis(is_split) {
+            self.add_direct_light(&mut path.state, z, mis, None);
         }
         let p = self.photons.shutter.point_at(self.scene(), &surface.at);
         let query = MapQuery { point: GatherPoint { p, n: z.at.ng }, is_split };
@@ -391,7 +391,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         *from = Some(From { receiver, pdf: path.last.pdf, has_caustics, caustics, is_alone });
         match role.goes_on() {
             true => true,
-            false if is_split => keep(&mut path.state, narrow),
+            false if is_split => path.state.keep(narrow),
             false => self.goes_on_for_media(),
         }
     }
@@ -440,8 +440,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         };
         if role != Role::FromMap {
             let collision = self.along.map(|along| along.collision(at.length, &path.state));
-            let meeting = if role.goes_on() { Meeting::All } else { Meeting::None };
-            self.add_direct_light(&mut path.state, &z, meeting, collision);
+            let mis = if role.goes_on() { DirectMis::All } else { DirectMis::None };
+            self.add_direct_light(&mut path.state, &z, mis, collision);
         }
         match self.maps {
             _ if role == Role::Direct => {}
@@ -698,19 +698,19 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// Next-event estimation at a vertex: the integral over directions of `f |cos| Li`, by one direction drawn with the density `q` per solid
     /// angle, is `f |cos| T V Le w / q` with the weight `w = q^2 / (p^2 + q^2)` [Veach 1997, eq. 9.15].
     ///
-    /// * `meeting`: which of the light the path may meet
+    /// * `mis`: which part of it the path may meet
     /// * `collision`: where the vertex is one on a ray for a point of which light was drawn too
     fn add_direct_light<V: Volume<'a>>(
         &mut self,
         state: &mut PathState<'_>,
         z: &Vertex<'a, V>,
-        meeting: Meeting,
+        mis: DirectMis,
         collision: Option<CollisionOnRay>,
     ) {
         let scene = self.scene();
         let time = state.ray.time;
         let choice = LightSelection::from(self.photons.settings.light_choice);
-        let by = if meeting == Meeting::All { choice } else { choice.alone() };
+        let by = if mis == DirectMis::All { choice } else { choice.alone() };
         let Some(drawn) = sample_light(scene, state, &z.receiver(time), by) else { return };
         let DrawnLight { light, pdf, li: LightLiSample { wi, radiance, is_delta, at, .. } } = drawn;
         let scattered = z.gathered(wi);
@@ -728,12 +728,12 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
                 true => 1.0,
                 false => power_heuristic(pdf, z.pdf(z.wo, wi) * reach),
             };
-            let weight = match meeting {
-                Meeting::None => Spectrum::WHITE,
-                Meeting::All => Spectrum::grey(drawn()),
-                Meeting::Narrow { has_rest } => {
+            let weight = match mis {
+                DirectMis::None => Spectrum::WHITE,
+                DirectMis::All => Spectrum::grey(drawn()),
+                DirectMis::Narrow { draws_rest } => {
                     let narrow = z.narrow_share(wi);
-                    let rest = if has_rest { Spectrum::WHITE - narrow } else { Spectrum::BLACK };
+                    let rest = if draws_rest { Spectrum::WHITE - narrow } else { Spectrum::BLACK };
                     rest + narrow * drawn()
                 }
             };
@@ -764,16 +764,6 @@ struct MapQuery {
     is_split: bool,
 }
 
-/// Leaves a path a share of what it carries, and ends it at random by what it loses.
-fn keep(state: &mut PathState<'_>, share: Spectrum) -> bool {
-    let q = state.wavelengths.max_lane(share);
-    if state.draws.next_1d() >= q {
-        return false;
-    }
-    state.beta *= share * q.recip();
-    true
-}
-
 /// Power of photons, scattered to the camera.
 struct Sums {
     all: Spectrum,
@@ -799,8 +789,8 @@ impl Sums {
         if cosine <= 0.0 {
             return;
         }
-        let broad = if self.is_split { Spectrum::WHITE - z.narrow_share(wi) } else { Spectrum::WHITE };
-        self.take(photon.secondary_terminated(), z.gathered(wi) * broad * photon.power() * cosine.recip());
+        let scattered = if self.is_split { z.gathered_broadly(wi) } else { z.gathered(wi) };
+        self.take(photon.secondary_terminated(), scattered * photon.power() * cosine.recip());
     }
 
     /// Adds the light that a photon or a beam brings.

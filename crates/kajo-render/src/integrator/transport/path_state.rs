@@ -80,6 +80,18 @@ impl<'s> PathState<'s> {
             extent: 0.0,
         }
     }
+
+    /// Leaves the path a share of what it carries, by lane in [0, 1]; `false` where it ends, at random by what it loses.
+    ///
+    /// Takes a number.
+    pub fn keep(&mut self, share: Spectrum) -> bool {
+        let q = self.wavelengths.max_lane(share);
+        if self.draws.next_1d() >= q {
+            return false;
+        }
+        self.beta *= share * q.recip();
+        true
+    }
 }
 
 /// A vertex of a path on a surface.

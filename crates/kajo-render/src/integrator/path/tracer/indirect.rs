@@ -250,13 +250,6 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Takes a number at the first of them.
     pub(super) fn settle(&mut self, path: &mut CameraPath<'s>) -> bool {
         self.indirect.scatters();
-        let Some(beside) = self.beside.take() else { return true };
-        let state = &mut path.state;
-        let q = state.wavelengths.max_lane(beside);
-        if state.draws.next_1d() >= q {
-            return false;
-        }
-        state.beta *= beside * q.recip();
-        true
+        self.beside.take().is_none_or(|beside| path.state.keep(beside))
     }
 }
